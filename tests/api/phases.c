@@ -103,6 +103,7 @@ static void check_layers(uint32_t dimension, uint32_t precision) {
 
 static void layers_weigh_what_they_weigh(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_layers);
 }
 
@@ -151,6 +152,7 @@ static void check_rise(uint32_t dimension, uint32_t precision) {
 
 static void light_fluid_rises(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_rise);
 }
 
@@ -192,6 +194,7 @@ static void check_sort(uint32_t dimension, uint32_t precision) {
 
 static void light_layers_leave_the_floor(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_sort);
 }
 
@@ -221,6 +224,7 @@ static void check_rest(uint32_t dimension, uint32_t precision) {
 
 static void layers_come_to_rest(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_rest);
 }
 

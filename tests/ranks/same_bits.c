@@ -142,47 +142,47 @@ static void check_few(uint32_t dimension, uint32_t precision) {
 
 static void a_dam_break_is_the_same(void **state) {
   (void)state;
-  test_for_each_kind(check_plain);
+  test_for_long_kinds(check_plain);
 }
 
 static void so_are_colliders_and_jets(void **state) {
   (void)state;
-  test_for_each_kind(check_colliders);
+  test_for_long_kinds(check_colliders);
 }
 
 static void so_are_all_stages(void **state) {
   (void)state;
-  test_for_each_kind(check_stages);
+  test_for_long_kinds(check_stages);
 }
 
 static void so_is_the_method_of_the_paper(void **state) {
   (void)state;
-  test_for_each_kind(check_paper);
+  test_for_long_kinds(check_paper);
 }
 
 static void so_is_a_solve_that_ends_at_a_tolerance(void **state) {
   (void)state;
-  test_for_each_kind(check_tolerance);
+  test_for_long_kinds(check_tolerance);
 }
 
 static void so_are_walls_that_mirror(void **state) {
   (void)state;
-  test_for_each_kind(check_ghosts);
+  test_for_long_kinds(check_ghosts);
 }
 
 static void so_are_sparse_particles(void **state) {
   (void)state;
-  test_for_each_kind(check_sparse);
+  test_for_long_kinds(check_sparse);
 }
 
 static void so_are_accelerations(void **state) {
   (void)state;
-  test_for_each_kind(check_accelerated);
+  test_for_long_kinds(check_accelerated);
 }
 
 static void so_are_few_particles(void **state) {
   (void)state;
-  test_for_each_kind(check_few);
+  test_for_long_kinds(check_few);
 }
 
 /* Shares that have one group, and nearly all. */
@@ -199,8 +199,8 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
 static void nor_whether_ranks_work_while_they_exchange(void **state) {
   (void)state;
   thread_ranks_overlap = 0;
-  test_for_each_kind(check_plain);
-  test_for_each_kind(check_stages);
+  test_for_long_kinds(check_plain);
+  test_for_long_kinds(check_stages);
   thread_ranks_overlap = 1;
 }
 
