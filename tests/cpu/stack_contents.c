@@ -64,8 +64,9 @@ static uint64_t hash_after(const char *backend, uint32_t seed, int byte) {
 
 static void it_is_in_no_result(void **state) {
   static const char *const backends[] = {"reference", "serial", "threads", "openmp"};
+  const int count = test_is_long() ? 4 : 2; /* the last two have the objects of serial */
   (void)state;
-  for (int k = 0; k < 4; ++k)
+  for (int k = 0; k < count; ++k)
     for (uint32_t seed = 2; seed < 12; ++seed) {
       const uint64_t hash = hash_after(backends[k], seed, 0);
       assert_int_equal(hash_after(backends[k], seed, 0xff), hash);
