@@ -38,6 +38,7 @@ static void check_column(uint32_t dimension, uint32_t precision) {
 static void a_column_stands(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
   test_for_long_kinds(check_column);
 }
 

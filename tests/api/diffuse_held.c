@@ -55,6 +55,7 @@ static void check_bits(uint32_t dimension, uint32_t precision) {
 
 static void bits_do_not_depend_on_calls(void **state) {
   (void)state;
+  test_skip_if_watched();
   test_for_long_kinds(check_bits);
 }
 

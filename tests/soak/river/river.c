@@ -169,6 +169,7 @@ void river_begin(river *r, const char *backend) {
   river_must(pbf_params_init(&params, sizeof params), "the parameters");
   desc.dimension = r->dimension, desc.precision = r->precision, desc.capacity = r->capacity;
   desc.backend = backend, desc.strict = 1, desc.allocator = &allocator;
+  desc.threads = 2; /* however few particles there are */
   params.domain_max[0] = 2, params.domain_max[1] = 1.2, params.domain_max[2] = 0.5;
   params.loads = 1;
   r->bed = make_bed(r->dimension);
