@@ -6,6 +6,7 @@
 
 #include "child.h"
 #include "program.h"
+#include "support/amount.h"
 
 namespace {
 
@@ -36,6 +37,7 @@ std::string start(const char *name) {
 }
 
 void the_quick_sweep_writes_results_and_a_page(void **) {
+  if (!test_is_long()) skip();
   const std::string folder = start("quick");
   const Outcome run = run_program(folder,
                                   "pareto --quick --scene dam-break-2d --backends reference --json "

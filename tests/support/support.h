@@ -34,8 +34,8 @@ ballistic_control *test_stub_control(void);
 /* Ends the test as skipped, and says why. */
 void test_skip(const char *why);
 
-/* For what follows a fluid for long: ends the test as skipped where a sanitizer looks at code, which
- * shorter tests run as well, unless all is asked for. */
+/* For what follows a fluid for long: ends the test as skipped where a sanitizer looks at code,
+ * which shorter tests run as well, unless all is asked for. */
 void test_skip_if_watched(void);
 
 /* Steps of s with each allocation failing in turn, which fail and begin again: it comes to what
