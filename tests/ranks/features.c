@@ -19,14 +19,6 @@ static void expect_stage(const scene *c, const char *name, int wanted) {
   pbf_destroy(s);
 }
 
-/* A sanitizer's build tries what both dimensions have in one (the other: same_bits.c). */
-static void for_kinds(void (*check)(uint32_t dimension, uint32_t precision)) {
-  if (!TEST_INSTRUMENTED || test_is_long())
-    test_for_long_kinds(check);
-  else if (test_has_kind(2, PBF_FLOAT64))
-    check(2, PBF_FLOAT64);
-}
-
 /* ---- Pressure grids ------------------------------------------------------------------------ */
 
 /* A plate that divides cells of the grid, and a ball on its way. */
@@ -72,12 +64,12 @@ static void check_deep(uint32_t dimension, uint32_t precision) {
 
 static void a_pressure_grid_is_the_same(void **state) {
   (void)state;
-  for_kinds(check_grid);
+  test_for_long_kinds(check_grid);
 }
 
 static void so_is_deep_water(void **state) {
   (void)state;
-  for_kinds(check_deep);
+  test_for_long_kinds(check_deep);
 }
 
 /* ---- Loads and friction -------------------------------------------------------------------- */
@@ -117,12 +109,12 @@ static void check_friction(uint32_t dimension, uint32_t precision) {
 
 static void loads_are_the_same(void **state) {
   (void)state;
-  for_kinds(check_loads);
+  test_for_long_kinds(check_loads);
 }
 
 static void so_is_friction(void **state) {
   (void)state;
-  for_kinds(check_friction);
+  test_for_long_kinds(check_friction);
 }
 
 /* ---- Phases -------------------------------------------------------------------------------- */
@@ -153,7 +145,7 @@ static void check_fluids(uint32_t dimension, uint32_t precision) {
 
 static void so_are_phases(void **state) {
   (void)state;
-  for_kinds(check_fluids);
+  test_for_long_kinds(check_fluids);
 }
 
 /* ---- Sleep --------------------------------------------------------------------------------- */
@@ -197,8 +189,8 @@ static void check_deep_sleep(uint32_t dimension, uint32_t precision) {
 
 static void so_is_sleep(void **state) {
   (void)state;
-  for_kinds(check_sleep);
-  for_kinds(check_deep_sleep);
+  test_for_long_kinds(check_sleep);
+  test_for_long_kinds(check_deep_sleep);
 }
 
 /* ---- Periodic axes ------------------------------------------------------------------------- */
@@ -219,7 +211,7 @@ static void check_periodic(uint32_t dimension, uint32_t precision) {
 
 static void so_are_periodic_axes(void **state) {
   (void)state;
-  for_kinds(check_periodic);
+  test_for_long_kinds(check_periodic);
 }
 
 int main(void) {

@@ -60,9 +60,10 @@ int test_has_kind(uint32_t dimension, uint32_t precision);
 void test_for_each_kind(void (*function)(uint32_t dimension, uint32_t precision));
 
 /* For what takes long and is the same physics everywhere: two kinds, one of each number and
- * dimension, and of the reference, which has what it computes in the others compared with `serial`
- * (cpu.stages), one. `serial` has all where all is asked for, and no sanitizer looks at code;
- * `threads` has its bits (cpu.threads). A GPU, whose kinds are compiled apart, always has. */
+ * dimension; one of the reference, which has what it computes in the others compared with `serial`
+ * (cpu.stages), and where a sanitizer looks at code, which same_bits has in 3D. `serial` has all
+ * where all is asked for; `threads` has its bits (cpu.threads). A GPU, whose kinds are compiled
+ * apart, always has. */
 void test_for_long_kinds(void (*function)(uint32_t dimension, uint32_t precision));
 
 /* `count` positions on a lattice in the lower middle of the unit box, in the element type; freed by
