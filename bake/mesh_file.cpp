@@ -10,6 +10,26 @@
 namespace bake {
 namespace {
 
+// Corners of a face: cutting one into triangles takes the square of their number.
+constexpr unsigned max_corners = 10000;
+
+// What Assimp's readers hand on as it stands in the file, and what it would do with it next reads
+// without looking.
+void check_faces(const aiMesh &mesh, const std::string &path) {
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace &face = mesh.mFaces[i];
+    const std::string where = path + " can't be read: face " + std::to_string(i);
+    if (face.mNumIndices > max_corners)
+      throw std::runtime_error(where + " has " + std::to_string(face.mNumIndices) +
+                               " corners; at most " + std::to_string(max_corners) +
+                               " are cut into triangles");
+    for (unsigned k = 0; k < face.mNumIndices; ++k)
+      if (face.mIndices[k] >= mesh.mNumVertices)
+        throw std::runtime_error(where + " has vertex " + std::to_string(face.mIndices[k]) +
+                                 "; there are " + std::to_string(mesh.mNumVertices));
+  }
+}
+
 bool in_one_place(const aiVector3D &a, const aiVector3D &b) {
   return a.x == b.x && a.y == b.y && a.z == b.z;
 }
@@ -50,8 +70,11 @@ Mesh read_mesh(const std::string &path) {
                                   aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
                                   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
                                   aiComponent_MATERIALS);
-  const aiScene *scene = importer.ReadFile(
-      path, aiProcess_RemoveComponent | aiProcess_PreTransformVertices | aiProcess_Triangulate);
+  const aiScene *scene = importer.ReadFile(path, aiProcess_RemoveComponent);
+  for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_faces(*scene->mMeshes[i], path);
+  if (scene)
+    scene =
+        importer.ApplyPostProcessing(aiProcess_PreTransformVertices | aiProcess_Triangulate);
   if (!scene) throw std::runtime_error(path + " can't be read: " + importer.GetErrorString());
   Mesh mesh;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) add_mesh(*scene->mMeshes[i], mesh);

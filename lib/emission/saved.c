@@ -81,7 +81,7 @@ static pbf_status check_head(const stored_head *stored, uint64_t size) {
   if (head->source_count > PBF_MAX_EMITTERS || head->drain_count > PBF_MAX_DRAINS ||
       head->reservoir_count > PBF_MAX_RESERVOIRS ||
       head->stage > head->source_count + 2 * head->reservoir_count + 1 ||
-      stored->emitter_size > size || stored->volume_size > size || !has_right_size(stored, size))
+      !has_right_size(stored, size))
     return reject("contradicts itself in its emitters");
   return PBF_OK;
 }

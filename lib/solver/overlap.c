@@ -83,6 +83,12 @@ static void note_change(pbf_solver *solver, double time_step, double error) {
   found->part = found->before > 0 ? 1 - fmin(found->now / found->before, most_parts) : -1;
 }
 
+/* Of what overlaps, a unit of time: never so small that a time by it is none that can be saved, as
+ * by the smallest max_depenetration_speed that there is. */
+static double rate_of(const pbf_params *params, uint32_t dimension) {
+  return fmax(pbf_overlap_rate(params, (int)dimension), 1e-300);
+}
+
 void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
   pbf_overlap_state *o = &solver->overlap;
   pbf_params params = solver->params;
@@ -97,7 +103,7 @@ void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
     o->reference = o->left = left_by(solver, error, error, 0);
   }
   o->since = pbf_solver_time(solver);
-  o->rate = 5 * pbf_overlap_rate(&params, dimension);
+  o->rate = 5 * rate_of(&params, solver->kind.dimension);
   o->time_step = time_step;
   o->error = error;
   o->most = fmax(o->most, error);
@@ -111,7 +117,7 @@ void pbf_overlap_note_walls(pbf_solver *solver) {
  * seven times the time that 1 would take evenly, which is five times that in which the last fifth
  * falls by e. */
 static double time_apart(const pbf_solver *solver) {
-  return 10 / pbf_overlap_rate(&solver->params, (int)solver->kind.dimension);
+  return 10 / rate_of(&solver->params, solver->kind.dimension);
 }
 
 static pbf_status tell(pbf_solver *solver, const pbf_overlap *overlap) {

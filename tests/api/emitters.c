@@ -532,12 +532,12 @@ static void fewer_of_them_are_saved(void **state) {
   (void)state;
   both[1].position[1] = 0.5;
   assert_ok(pbf_set_emitters(s, 2, both));
-  for (uint32_t left = 2; left-- > 0;) {
+  for (uint32_t left = 3; left-- > 0;) { /* at last nothing but the counts of what was */
     unsigned char saved[100000];
     uint64_t size = sizeof saved, before = 0, after = 0;
     assert_ok(pbf_step(s, 2));
-    assert_ok(pbf_set_emitters(s, left, both));
-    assert_ok(pbf_set_drains(s, 1, &drain));
+    assert_ok(pbf_set_emitters(s, left > 0 ? left - 1 : 0, both));
+    assert_ok(pbf_set_drains(s, left > 0, &drain));
     assert_ok(pbf_hash(s, &before));
     assert_ok(pbf_save(s, saved, &size));
     assert_ok(pbf_load(s, saved, size));

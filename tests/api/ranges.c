@@ -103,12 +103,33 @@ static void at_the_ends(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+/* What overlaps then parts in more time than numbers hold, or at once. */
+static void parts_never_or_at_once(uint32_t dimension, uint32_t precision) {
+  for (int at_once = 0; at_once < 2; ++at_once) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, 2 * COUNT);
+    pbf_params params = test_params();
+    void *x = test_lattice(dimension, precision, COUNT);
+    uint64_t size = 0;
+    params.max_depenetration_speed = !at_once ? 5e-324 : precision == PBF_FLOAT32 ? 3e38 : 1e150;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 1));
+    assert_ok(pbf_add_particles(s, COUNT, x, NULL, NULL));
+    assert_ok(pbf_step(s, 2));
+    void *saved = test_save(s, &size);
+    assert_ok(pbf_load(s, saved, size));
+    free(saved);
+    free(x);
+    pbf_destroy(s);
+  }
+}
+
 static void ends_of_ranges(void **state) {
   (void)state;
   test_for_each_kind(at_the_ends);
   test_for_each_kind(fastest_particles);
   test_for_each_kind(fastest_without_walls);
   test_for_each_kind(h_is_hardly_more_than_the_spacing);
+  test_for_each_kind(parts_never_or_at_once);
 }
 
 /* Not before it has to be. */
