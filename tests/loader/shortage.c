@@ -169,9 +169,13 @@ static void make_solvers(void) {
   }
 }
 
+static void limit_addresses(rlim_t bytes) {
+  const struct rlimit limit = {bytes, RLIM_INFINITY};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
 static void use_up_memory(void) {
-  const struct rlimit none = {1, RLIM_INFINITY};
-  setrlimit(RLIMIT_AS, &none);
+  limit_addresses(1);
   for (size_t size = 1 << 20; size >= 16; size /= 2)
     while (malloc(size)) continue;
 }
@@ -181,6 +185,9 @@ static void *live_without_memory(void *user) {
   use_up_memory();
   check(copy.get_count(NULL, &count) == PBF_ERROR_INVALID_ARGUMENT);
   check(copy.last_error()[0] != 0);
+  limit_addresses(RLIM_INFINITY); /* the sentence was lost: told when there is room again, too */
+  check(copy.last_error()[0] != 0);
+  use_up_memory();
   for (int k = 0; k < 4; ++k) {
     if (!solvers[k]) continue;
     check(copy.step(solvers[k], 2) == PBF_OK || copy.last_error()[0] != 0);
