@@ -33,6 +33,8 @@ def _on_host(array: Any) -> Any:
 
 def numpy_of(name: str, array: AnyArray) -> NDArray[Any]:
     """Any array as NumPy's, without a copy where it is in host memory."""
+    if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
+        raise InvalidArgumentError(f"{name} has masked numbers; fill them, or leave their rows out")
     if isinstance(array, np.ndarray):
         return array
     if hasattr(array, "__dlpack__") and hasattr(array, "__dlpack_device__"):

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import logging
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -17,19 +18,38 @@ def log_to_logging(level: int, message: str) -> None:
     logger.log(logging.WARNING if level == lib.PBF_LOG_WARNING else logging.INFO, "%s", message)
 
 
-class Callbacks:
-    """The log's C function, and what the caller's has raised. It must not refer to the solver,
-    which it outlives."""
+class Told:
+    """What is told to, held by the solver alone: where it refers to the solver in turn, as a method
+    of what has it does, the collector frees both."""
 
     def __init__(self, log: Log | None) -> None:
         self.log = log
+
+
+class Callbacks:
+    """The log's C function, and what the caller's has raised. It must not refer to the solver,
+    which it outlives, or keep what does."""
+
+    def __init__(self, told: Told) -> None:
+        self._told = weakref.ref(told)
         self.raised: BaseException | None = None
-        self.function = ffi.NULL if log is None else ffi.callback("pbf_log_fn", self._call)
+        self.function = ffi.NULL if told.log is None else ffi.callback("pbf_log_fn", self._call)
+
+    @property
+    def log(self) -> Log | None:
+        told = self._told()
+        return None if told is None else told.log
+
+    def drop(self) -> None:
+        told = self._told()
+        if told is not None:
+            told.log = None
 
     def _call(self, user: Any, level: int, message: Any) -> None:
         try:
-            if self.log is not None:
-                self.log(level, text(message))
+            log = self.log
+            if log is not None:
+                log(level, text(message))
         except BaseException as error:  # no exception may cross the library
             self.raised = self.raised or error
 
@@ -41,4 +61,4 @@ class Callbacks:
 
 def destroy(handle: Any, callbacks: Callbacks) -> None:
     lib.pbf_destroy(handle)
-    callbacks.log = None
+    callbacks.drop()

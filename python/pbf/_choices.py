@@ -27,6 +27,14 @@ def choice(name: str, value: str, known: Mapping[str, int]) -> int:
     return known[value]
 
 
+def element_type(dtype: np.dtype[Any]) -> int:
+    """Of an array that the library writes to."""
+    if not dtype.isnative:
+        raise InvalidArgumentError(
+            f"out holds {dtype.str!r}; its bytes must be in this machine's order")
+    return choice("dtype", dtype.name, TYPES)
+
+
 def precision_of(precision: Any) -> str:
     try:
         name = np.dtype(precision).name
@@ -41,4 +49,6 @@ def chars(name: str, value: Any) -> Any:
         return ffi.NULL
     if not isinstance(value, str):
         raise InvalidArgumentError(f"{name} is {value!r}; it must be a string")
+    if "\0" in value:
+        raise InvalidArgumentError(f"{name} is {value!r}; a zero would end it")
     return ffi.new("char[]", value.encode())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import params as parameters
-from ._callbacks import Callbacks, Log, destroy
+from ._callbacks import Callbacks, Log, Told, destroy
 from ._choices import PRECISIONS, chars, precision_of
 from ._errors import Error, InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
@@ -56,7 +56,8 @@ class Handle(Owned, ParamFields):
     def _create(self, desc: dict[str, Any], stream: int, log: Log | None, params: Params | None,
                 values: Mapping[str, Any]) -> None:
         desc = {**desc, "precision": precision_of(desc["precision"])}
-        callbacks = Callbacks(log)
+        self._told = Told(log)
+        callbacks = Callbacks(self._told)
         struct, kept = desc_struct(desc, stream, callbacks)
         first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)

@@ -4,7 +4,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from ._callbacks import Callbacks
+from ._callbacks import Callbacks, Told
 from ._errors import StateError, check
 from ._library import lib
 
@@ -19,6 +19,7 @@ class Owned:
     _what: str  # in sentences
     _handle: Any
     _callbacks: Callbacks
+    _told: Told
     _finalizer: Any
 
     @property

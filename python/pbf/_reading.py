@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from ._arrays import CPU, AnyArray, numpy_of, pointer
-from ._choices import FIELDS, ORDERS, TYPES, W, choice
+from ._choices import FIELDS, ORDERS, W, choice, element_type
 from ._device import DeviceArray, SupportsCuda, device_array_of, place
 from ._errors import InvalidArgumentError, StateError
 from ._handle import Handle
@@ -67,7 +67,7 @@ class Reading(Handle):
         else:
             result = out
             out, count, components = self._layout(out, count, components, stream)
-        struct.element_type = choice("dtype", out.dtype.name, TYPES)
+        struct.element_type = element_type(out.dtype)
         struct.count, struct.components = count, components
         struct.stride = out.strides[0] if len(out) > 1 else 0
         if isinstance(out, DeviceArray):
@@ -112,7 +112,7 @@ class Reading(Handle):
     def _check_rows_of(name: str, array: NDArray[Any] | DeviceArray) -> int:
         """How many numbers a row has, which must lie side by side."""
         tight = array.ndim == 1 or array.shape[1] == 1 or array.strides[1] == array.itemsize
-        if not tight or array.strides[0] < 0:
+        if not tight or array.strides[0] < 0 or (array.strides[0] == 0 and len(array) > 1):
             raise InvalidArgumentError(
                 f"{name} has the strides {array.strides}; the numbers of a row must lie side by "
                 "side, and the rows one after another")
@@ -139,7 +139,7 @@ class Reading(Handle):
                 f"array has the shape {found.shape}; it must be (count, {self.dimension} … 4)")
         struct.components = self._check_rows_of("array", found)
         struct.count = uint32("count", len(found))
-        struct.element_type = choice("dtype", found.dtype.name, TYPES)
+        struct.element_type = element_type(found.dtype)
         struct.stride = found.strides[0] if len(found) > 1 else 0
         if isinstance(found, DeviceArray):
             place(struct, found, lib.PBF_DEVICE_CUDA)

@@ -66,6 +66,7 @@ class State(Reading):
         larger.load(state)
         larger._finalizer.detach()
         self._adopt(larger._handle, desc, larger._callbacks)
+        self._told = larger._told
         old()
         self._keep(snapshots, keeps)
 

@@ -10,8 +10,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from . import params as parameters
 from ._arrays import CPU, AnyArray, numpy_of, pointer, readonly_array
-from ._callbacks import Callbacks, Log, log_to_logging
-from ._choices import FIELDS, TYPES, W, choice, precision_of
+from ._callbacks import Callbacks, Log, Told, log_to_logging
+from ._choices import FIELDS, W, choice, element_type, precision_of
 from ._errors import InvalidArgumentError, UnsupportedError, check
 from ._handle import desc_struct, params_struct
 from ._library import ffi, lib, new_struct, text
@@ -33,7 +33,7 @@ def _destroy(handle: Any, callbacks: Callbacks, worlds: Any) -> None:
     for world in list(worlds.values()):
         world._finalizer.detach()
     lib.pbf_batch_destroy(handle)
-    callbacks.log = None
+    callbacks.drop()
 
 
 def _leave(handle: Any, callbacks: Callbacks) -> None:
@@ -139,7 +139,8 @@ class Batch(Owned):
 
     def _create(self, worlds: int, desc: dict[str, Any], stream: int, log: Log | None,
                 params: Params | None, values: Any) -> None:
-        callbacks = Callbacks(log)
+        self._told = Told(log)
+        callbacks = Callbacks(self._told)
         struct, kept = desc_struct(desc, stream, callbacks)
         first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)
@@ -387,7 +388,7 @@ class Batch(Owned):
             shape = (self._count, uint32("rows", rows), width)
             out = np.zeros(shape[:2 if width == 1 else 3], usual if dtype is None else dtype)
         self._check_layout(out, rows, width)
-        struct.element_type = choice("dtype", out.dtype.name, TYPES)
+        struct.element_type = element_type(out.dtype)
         struct.count, struct.components = out.shape[1], width
         struct.stride = out.strides[1] if out.shape[1] > 1 else 0
         struct.data = pointer(out)
@@ -405,8 +406,9 @@ class Batch(Owned):
         fits = len(shape) == 3 and shape[0] == self._count and shape[2] == width
         if not fits or (rows is not None and shape[1] != rows):
             raise InvalidArgumentError(f"out has the shape {out.shape}; it must be {wanted}")
-        if min(out.strides[:2]) < 0 or (out.ndim == 3 and width > 1
-                                        and out.strides[2] != out.itemsize):
+        apart = all(step > 0 or (step == 0 and number < 2)
+                    for step, number in zip(out.strides[:2], out.shape))
+        if not apart or (out.ndim == 3 and width > 1 and out.strides[2] != out.itemsize):
             raise InvalidArgumentError(
                 f"out has the strides {out.strides}; the numbers of a row must lie side by side, "
                 "and rows and worlds one after another")

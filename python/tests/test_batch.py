@@ -118,6 +118,11 @@ def test_reading(batch):
     assert (batch.read("position", first=30, rows=9)[:, len(BLOCK) - 30:] == 0).all()
     with pytest.raises(pbf.InvalidArgumentError, match="out has the shape"):
         batch.read("position", np.zeros((3, 5, 2), np.float32))
+    one_world = np.lib.stride_tricks.as_strided(np.zeros((5, 2), np.float32), (WORLDS, 5, 2), (0, 8, 4))
+    with pytest.raises(pbf.InvalidArgumentError, match="one after another"):
+        batch.read("position", one_world)
+    with pytest.raises(pbf.InvalidArgumentError, match="this machine's order"):
+        batch.read("position", dtype=np.dtype(np.float32).newbyteorder())
 
 
 def test_tensors(batch):

@@ -73,7 +73,7 @@ def test_accelerations(make):
 @pytest.mark.parametrize("positions, words", [
     ([[0.5, 0.5]], "shape"), ([[0.5, 0.5, np.nan]], "NaN"), ([[5, 0.5, 0.5]], "domain"),
     ("water", "real numbers|shape"), ([[1j, 0, 0]], "real numbers"), (np.zeros((2, 2, 3)), "shape"),
-    ([[0, 0, 0], [1, 2]], "array")])
+    ([[0, 0, 0], [1, 2]], "array"), (np.ma.masked_less([[0.5, 0.5, 0.1]], 0.2), "masked")])
 def test_bad_positions(make, positions, words):
     fluid = make(capacity=10)
     with pytest.raises(pbf.InvalidArgumentError, match=words):
@@ -139,6 +139,13 @@ def test_read_refuses(dam):
     locked.flags.writeable = False
     with pytest.raises(pbf.InvalidArgumentError, match="not writeable"):
         dam.read("position", locked)
+    swapped = np.zeros((1000, 3), np.dtype(np.float32).newbyteorder())
+    with pytest.raises(pbf.InvalidArgumentError, match="this machine's order"):
+        dam.read("position", swapped)
+    one_row = np.lib.stride_tricks.as_strided(np.zeros(3, np.float32), (1000, 3), (0, 4))
+    with pytest.raises(pbf.InvalidArgumentError, match="one after another"):
+        dam.read("position", one_row)
+    assert not swapped.any() and not one_row.any()
 
 
 def test_between_two_steps(dam):
