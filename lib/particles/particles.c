@@ -37,32 +37,43 @@ static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name
   return read_backend(solver, field, &rows, out);
 }
 
-static pbf_status write_rows(pbf_solver *solver, uint32_t field, const char *name, uint32_t first,
-                             uint32_t count, const void *in) {
+static pbf_status check_written(pbf_solver *solver, uint32_t field, const char *name,
+                                uint32_t first, uint32_t count, const void *in) {
   pbf_status status = pbf_check_unmapped(solver);
   if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
   status = pbf_values_check_pointer(name, in, pbf_element_size(solver));
   if (status != PBF_OK) return status;
-  status = field == PBF_FIELD_POSITION ? pbf_values_check_positions(solver, in, count, first)
-                                       : pbf_values_check_finite(solver, name, in, count, first);
-  if (status != PBF_OK) return status;
+  return field == PBF_FIELD_POSITION ? pbf_values_check_positions(solver, in, count, first)
+                                     : pbf_values_check_finite(solver, name, in, count, first);
+}
+
+static pbf_status write_checked(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
+                                const void *in) {
+  if (count == 0) return PBF_OK;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
-  status = solver->api.write(solver->backend, field, &rows, in);
+  pbf_status status = solver->api.write(solver->backend, field, &rows, in);
   if (status == PBF_OK) ++solver->generation;
   if (status == PBF_OK && field == PBF_FIELD_POSITION) pbf_previous_set(solver, first, count, in);
   return pbf_backend_result(solver, status, "write");
 }
 
+static pbf_status write_velocities(pbf_solver *solver, uint32_t first, uint32_t count,
+                                   const void *in) {
+  pbf_status status = check_written(solver, PBF_FIELD_VELOCITY, "velocities", first, count, in);
+  if (status != PBF_OK) return status;
+  return write_checked(solver, PBF_FIELD_VELOCITY, first, count, in);
+}
+
 /* Those of all at once may be a shift of the world's origin, or another start. */
 static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t count,
                                   const void *in) {
-  int matters = count == solver->count && count > 0 && in && pbf_setting_matters(solver);
+  const int matters = count == solver->count && count > 0 && pbf_setting_matters(solver);
   int is_shift = 0;
   double shift[3];
-  pbf_status status = matters ? pbf_shift_to(solver, in, &is_shift, shift) : PBF_OK;
-  if (status == PBF_OK)
-    status = write_rows(solver, PBF_FIELD_POSITION, "positions", first, count, in);
+  pbf_status status = check_written(solver, PBF_FIELD_POSITION, "positions", first, count, in);
+  if (status == PBF_OK && matters) status = pbf_shift_to(solver, in, &is_shift, shift);
+  if (status == PBF_OK) status = write_checked(solver, PBF_FIELD_POSITION, first, count, in);
   if (status != PBF_OK || !matters) return status;
   if (is_shift)
     pbf_note_shift(solver, shift);
@@ -73,9 +84,8 @@ static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t c
 
 pbf_status pbf_write_field(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,
                            const void *in) {
-  return field == PBF_FIELD_POSITION
-             ? write_positions(solver, first, count, in)
-             : write_rows(solver, PBF_FIELD_VELOCITY, "velocities", first, count, in);
+  return field == PBF_FIELD_POSITION ? write_positions(solver, first, count, in)
+                                     : write_velocities(solver, first, count, in);
 }
 
 pbf_status pbf_check_pressures(const pbf_solver *solver) {

@@ -234,17 +234,32 @@ static void nothing_at_all(void **state) {
   pbf_destroy(s);
 }
 
+/* Where all are set it matters what they were, and is not looked at before it is sure that there is
+ * something to look at: at address 1 there is nothing. */
+static void arrays_are_checked_first(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(2, PBF_FLOAT64, 4, 4);
+  double x[8];
+  pbf_view view = {.struct_size = sizeof view};
+  const void *nowhere = (const void *)(uintptr_t)1;
+  assert_ok(pbf_step(s, 1));
+  assert_ok(pbf_get_positions(s, 0, 4, x));
+  assert_fails(pbf_set_positions(s, 0, 4, nowhere), PBF_ERROR_INVALID_ARGUMENT, "aligned to");
+  assert_fails(pbf_set_velocities(s, 0, 4, nowhere), PBF_ERROR_INVALID_ARGUMENT, "aligned to");
+  assert_ok(pbf_map(s, PBF_FIELD_POSITION, &view));
+  assert_fails(pbf_set_positions(s, 0, 4, nowhere), PBF_ERROR_STATE, "mapped");
+  assert_ok(pbf_unmap(s, PBF_FIELD_POSITION));
+  assert_ok(pbf_set_positions(s, 0, 4, x));
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest particles[] = {
-      cmocka_unit_test(round_trips),
-      cmocka_unit_test(ids_after_removals),
-      cmocka_unit_test(refused_removals),
-      cmocka_unit_test(above_capacity),
-      cmocka_unit_test(bad_numbers_are_refused),
-      cmocka_unit_test(nan_is_spelled),
-      cmocka_unit_test(the_wall_itself_is_inside),
-      cmocka_unit_test(coincident_particles),
-      cmocka_unit_test(nothing_at_all),
+      cmocka_unit_test(arrays_are_checked_first), cmocka_unit_test(round_trips),
+      cmocka_unit_test(ids_after_removals),       cmocka_unit_test(refused_removals),
+      cmocka_unit_test(above_capacity),           cmocka_unit_test(bad_numbers_are_refused),
+      cmocka_unit_test(nan_is_spelled),           cmocka_unit_test(the_wall_itself_is_inside),
+      cmocka_unit_test(coincident_particles),     cmocka_unit_test(nothing_at_all),
   };
   return TEST_RUN(particles);
 }
