@@ -3,9 +3,13 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
+
+#include "apart.h"
 
 namespace bake {
 namespace {
@@ -15,10 +19,10 @@ constexpr unsigned max_corners = 10000;
 
 // What Assimp's readers hand on as it stands in the file, and what it would do with it next reads
 // without looking.
-void check_faces(const aiMesh &mesh, const std::string &path) {
+void check_faces(const aiMesh &mesh) {
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace &face = mesh.mFaces[i];
-    const std::string where = path + " can't be read: face " + std::to_string(i);
+    const std::string where = "face " + std::to_string(i);
     if (face.mNumIndices > max_corners)
       throw std::runtime_error(where + " has " + std::to_string(face.mNumIndices) +
                                " corners; at most " + std::to_string(max_corners) +
@@ -55,13 +59,8 @@ void add_mesh(const aiMesh &from, Mesh &mesh) {
   for (unsigned i = 0; i < from.mNumFaces; ++i) add_face(from, from.mFaces[i], first, mesh);
 }
 
-}  // namespace
-
-Mesh read_mesh(const std::string &path) {
-  std::error_code failed;
-  if (std::filesystem::is_directory(path, failed))
-    throw std::runtime_error(path + " is a folder");
-  if (!std::filesystem::exists(path, failed)) throw std::runtime_error(path + " does not exist");
+// Of Assimp, whose readers crash, or do not end, with some damaged files.
+Mesh read_here(const std::string &path) {
   Assimp::Importer importer;
   // Places and triangles alone: a mesh split by colours or normals is one again in the library.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
@@ -71,13 +70,71 @@ Mesh read_mesh(const std::string &path) {
                                   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
                                   aiComponent_MATERIALS);
   const aiScene *scene = importer.ReadFile(path, aiProcess_RemoveComponent);
-  for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_faces(*scene->mMeshes[i], path);
+  for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_faces(*scene->mMeshes[i]);
   if (scene)
-    scene =
-        importer.ApplyPostProcessing(aiProcess_PreTransformVertices | aiProcess_Triangulate);
-  if (!scene) throw std::runtime_error(path + " can't be read: " + importer.GetErrorString());
+    scene = importer.ApplyPostProcessing(aiProcess_PreTransformVertices | aiProcess_Triangulate);
+  if (!scene) throw std::runtime_error(importer.GetErrorString());
   Mesh mesh;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) add_mesh(*scene->mMeshes[i], mesh);
+  return mesh;
+}
+
+// ---- A mesh as bytes, of one process for another --------------------------------------------------
+
+struct Head {
+  uint64_t vertices, faces;  // numbers of them
+  uint32_t collapsed, reserved;
+};
+
+template <typename T>
+void add_bytes(std::string &bytes, const T *from, size_t count) {
+  bytes.append(reinterpret_cast<const char *>(from), count * sizeof(T));
+}
+
+std::string bytes_of(const Mesh &mesh) {
+  const Head head = {mesh.vertices.size(), mesh.faces.size(), mesh.collapsed, 0};
+  std::string bytes;
+  add_bytes(bytes, &head, 1);
+  add_bytes(bytes, mesh.vertices.data(), mesh.vertices.size());
+  add_bytes(bytes, mesh.faces.data(), mesh.faces.size());
+  return bytes;
+}
+
+Mesh mesh_of(const std::string &bytes) {
+  Head head = {};
+  std::memcpy(&head, bytes.data(), std::min(bytes.size(), sizeof head));
+  Mesh mesh;
+  mesh.vertices.resize(head.vertices);
+  mesh.faces.resize(head.faces);
+  mesh.collapsed = head.collapsed;
+  const char *const vertices = bytes.data() + sizeof head;
+  const size_t size = head.vertices * sizeof mesh.vertices[0];
+  if (size > 0) std::memcpy(mesh.vertices.data(), vertices, size);
+  if (head.faces > 0)
+    std::memcpy(mesh.faces.data(), vertices + size, head.faces * sizeof mesh.faces[0]);
+  return mesh;
+}
+
+// A hundred times what a mesh takes.
+unsigned seconds_for(const std::string &path) {
+  std::error_code failed;
+  const uintmax_t size = std::filesystem::file_size(path, failed);
+  return 30 + static_cast<unsigned>(failed ? 0 : std::min<uintmax_t>(size >> 17, 1u << 20));
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::string &path) {
+  std::error_code failed;
+  if (std::filesystem::is_directory(path, failed))
+    throw std::runtime_error(path + " is a folder");
+  if (!std::filesystem::exists(path, failed)) throw std::runtime_error(path + " does not exist");
+  Mesh mesh;
+  try {
+    mesh = mesh_of(run_apart([&path] { return bytes_of(read_here(path)); }, seconds_for(path)));
+  } catch (const std::exception &error) {
+    throw std::runtime_error(path + " can't be read: " + error.what());
+  }
   if (mesh.faces.empty()) throw std::runtime_error(path + " has no triangles");
   return mesh;
 }

@@ -1,11 +1,11 @@
 /* pbf-bench picture: draws saved states. */
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "commands/commands.h"
 #include "commands/options.h"
+#include "core/content.h"
 #include "core/error.h"
 #include "report/portrait.h"
 
@@ -22,13 +22,17 @@ int draw(const PictureOptions &options) {
   std::error_code ignored;
   std::filesystem::create_directories(options.folder, ignored);
   for (const std::string &name : options.states) {
-    std::ifstream in(name, std::ios::binary);
-    const std::string state{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    if (!in) throw Error(exit_failure, name + " can't be read");
+    const std::string state = content_of(name, UINTMAX_MAX, "PBFSTATE");
     const std::filesystem::path path =
         std::filesystem::path(options.folder) /
         std::filesystem::path(name).filename().replace_extension(".png");
-    write_picture(path.string(), draw_state(state, options.portrait));
+    std::string png;
+    try {
+      png = draw_state(state, options.portrait);
+    } catch (const Error &error) {
+      throw Error(error.code, name + ": " + error.what());
+    }
+    write_picture(path.string(), png);
     std::printf("%s\n", path.string().c_str());
   }
   return exit_ok;

@@ -4,11 +4,10 @@
 #include <cinttypes>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <utility>
 
+#include "core/content.h"
 #include "core/error.h"
 #include "core/solver.h"
 
@@ -206,9 +205,7 @@ std::vector<pbf_collider> colliders_of_entry(const Recording &recording,
 }
 
 Recording read_recording(const std::string &path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in) throw Error(exit_failure, path + " can't be read");
+  const std::string text = content_of(path, UINTMAX_MAX, "pbf-record ");
   Recording recording;
   size_t number = 0;
   for (size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {

@@ -1,9 +1,7 @@
 /* Shapes that pbf_save_shape or pbf-bake wrote to a file. */
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
+#include "core/content.h"
 #include "scene/shape.h"
 
 namespace bench {
@@ -17,27 +15,13 @@ void check(pbf_status status, const std::string &path) {
 }
 
 ShapeHandle load_shape(const std::string &path) {
-  const std::string bytes = content_of(path, max_baked_size);
+  const std::string bytes = content_of(path, max_baked_size, "PBFSHAPE");
   pbf_shape *shape = nullptr;
   check(pbf_load_shape(bytes.data(), bytes.size(), &shape), path);
   return ShapeHandle(shape, pbf_release_shape);
 }
 
 }  // namespace
-
-std::string content_of(const std::string &path, uintmax_t most) {
-  std::error_code failed;
-  const uintmax_t size = std::filesystem::file_size(path, failed);
-  if (failed) throw std::runtime_error(path + " can't be read: " + failed.message());
-  if (size > most)
-    throw std::runtime_error(path + " has " + std::to_string(size) +
-                             " bytes; such a file has at most " + std::to_string(most));
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) throw std::runtime_error(path + " can't be read");
-  return text.str();
-}
 
 ShapeSource read_baked_file(const std::string &path, unsigned dimension) {
   const ShapeHandle shape = load_shape(path);

@@ -1,13 +1,12 @@
 #include "scene/document.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
+
+#include "core/content.h"
 
 namespace bench {
 namespace {
@@ -169,18 +168,13 @@ Error Document::error(const ValueError &error) const {
 }
 
 Document read_document(const std::string &path) {
-  std::error_code failed;
-  const uintmax_t size = std::filesystem::file_size(path, failed);
-  if (failed) throw Error(exit_usage, path + " can't be read: " + failed.message());
-  if (size > max_file_size) {
-    throw Error(exit_usage, path + " has " + std::to_string(size) + " bytes; a scene has at most " +
-                                std::to_string(max_file_size));
+  std::string text;
+  try {
+    text = content_of(path, max_file_size);
+  } catch (const std::runtime_error &error) {
+    throw Error(exit_usage, error.what());
   }
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) throw Error(exit_usage, path + " can't be read: " + std::strerror(errno));
-  return Document(path, text.str());
+  return Document(path, text);
 }
 
 }  // namespace bench

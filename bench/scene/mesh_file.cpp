@@ -2,10 +2,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "core/content.h"
 #include "scene/shape.h"
 
 namespace bench {

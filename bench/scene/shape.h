@@ -22,9 +22,6 @@ struct Mesh {
 // An OBJ or STL file. Throws std::runtime_error with a sentence that names what is wrong.
 Mesh read_mesh_file(const std::string &path, unsigned dimension);
 
-// The bytes of a file of at most so many. Throws std::runtime_error.
-std::string content_of(const std::string &path, uintmax_t most);
-
 struct ShapeSource {
   enum class From { mesh, heights, points, grid } from = From::mesh;
   Mesh mesh;
