@@ -185,6 +185,7 @@ void pbf_diffuse_generate(const pbf_solver *solver, pbf_fluid *fluid,
              .radius = 0.5 * pbf_derive_spacing(&solver->params),
              .room = d->desc.capacity};
   if (!(d->desc.trapped_air_rate > 0) && !(d->desc.wave_crest_rate > 0)) return;
+  if (count == 0) return;
   if (d->desc.wave_crest_rate > 0) memset(d->normals, 0, count * sizeof *d->normals);
   for (uint32_t particle = 0; particle < count; ++particle) make_some(&m, particle);
 }

@@ -335,6 +335,21 @@ static void periodic_axes_lead_to_the_other_side(void **state) {
   test_for_each_kind(check_periodic);
 }
 
+/* Nor looks at memory that there is not, which a sanitizer would tell. */
+static void no_fluid_makes_none(void **state) {
+  (void)state;
+  pbf_solver *s = box_of(2, PBF_FLOAT64, 10, 1);
+  pbf_diffuse_desc desc;
+  pbf_diffuse_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_diffuse_init(s, &desc, sizeof desc));
+  assert_true(desc.wave_crest_rate > 0);
+  assert_ok(pbf_set_diffuse(s, &desc));
+  assert_ok(pbf_step(s, 2));
+  assert_ok(pbf_get_diffuse_info(s, &info));
+  assert_true(info.generated == 0 && info.time == 2 * dt);
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(spray_flies_ballistically),
@@ -346,6 +361,7 @@ int main(void) {
       cmocka_unit_test(colliders_push_them_out),
       cmocka_unit_test(what_moves_takes_them_along),
       cmocka_unit_test(periodic_axes_lead_to_the_other_side),
+      cmocka_unit_test(no_fluid_makes_none),
   };
   return TEST_RUN(tests);
 }

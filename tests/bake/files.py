@@ -190,6 +190,44 @@ def what_is_no_solid_is_refused():
     check("nothing is written", not (WORK / "x.pbfshape").exists())
 
 
+def raw_ply(vertices, faces, face_corners, body, form="ascii"):
+    return (f"ply\nformat {form} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n"
+            f"element face {faces}\nproperty list {face_corners} int vertex_indices\nend_header\n").encode() + body
+
+
+def damaged_meshes_are_told():
+    """Assimp crashes, or finds no end, with some of them."""
+    (WORK / "below.ply").write_bytes(raw_ply(3, 1, "uchar", b"0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"))
+    refused("has vertex 4294967295; there are 3", "below.ply", "x.pbfshape", "--cell", 0.1)
+    (WORK / "none.ply").write_bytes(raw_ply(3, 1, "uchar", b"", "binary_little_endian"))
+    refused("none.ply can't be read", "none.ply", "x.pbfshape", "--cell", 0.1)
+    (WORK / "most.ply").write_bytes(raw_ply(4294967295, 1, "uchar", b"0 0 0\n"))
+    refused("most.ply can't be read", "most.ply", "x.pbfshape", "--cell", 0.1)
+    round_ = "".join(f"v {math.cos(i / 3200)} {math.sin(i / 3200)} 0\n" for i in range(20001))
+    (WORK / "corners.obj").write_text(round_ + "f " + " ".join(map(str, range(1, 20002))) + "\n")
+    refused("has 20001 corners", "corners.obj", "x.pbfshape", "--cell", 0.1)
+    (WORK / "crash.off").write_text("OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 99\n")
+    refused("crash.off can't be read", "crash.off", "x.pbfshape", "--cell", 0.1)
+    (WORK / "endless.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\n3 0 0\n0.5 0.5 0.5\n" * 3)
+
+    def little_time():
+        resource.setrlimit(resource.RLIMIT_CPU, (3, resource.RLIM_INFINITY))
+    done = subprocess.run([str(BAKE), "endless.ply", "x.pbfshape", "--cell", "1"], capture_output=True, text=True, check=False,
+                          cwd=WORK, preexec_fn=little_time)
+    check(f"no end is told: {done.stderr!r}", done.returncode == 1 and "endless.ply can't be read" in done.stderr)
+
+
+def what_is_no_file_is_told():
+    for name, words in (("/dev/zero", "does not begin as one"), ("/dev/null", "cut short"), ("/proc", "Is a directory"),
+                        ("/proc/self/pagemap", "/proc/self/pagemap")):
+        refused(words, "--show", name)
+        check(f"{name} is named", name in bake("--show", name).stderr)
+    (WORK / "loop").unlink(missing_ok=True)
+    (WORK / "loop").symlink_to("loop")
+    refused("loop can't be written", "ok.obj", "loop", "--cell", 0.05)
+    check("the link is left", (WORK / "loop").is_symlink())
+
+
 def bake_with(limit, *words):
     """No file may become larger than that, as on a full disk."""
     def set_limit():
@@ -232,6 +270,8 @@ boxes_are_placed()
 open_meshes_are_shells()
 collapsed_triangles_are_left_out()
 what_is_no_solid_is_refused()
+damaged_meshes_are_told()
+what_is_no_file_is_told()
 what_is_written_is_whole_or_as_before()
 readers_may_go_away()
 sys.exit(1 if failures else 0)

@@ -153,6 +153,28 @@ void a_recording_has_the_shapes_of_its_scene(void **) {
   expect_contains(run_program(folder, "replay wrong.record").err, "wrong.record:4");
 }
 
+// A device without an end, with its size or without, a folder, a link to itself, names of odd
+// letters: each is told by its name, and a pipe is read as a file.
+void what_is_no_file_is_told(void **) {
+  const std::string folder = work_folder("no_files");
+  std::filesystem::create_symlink("loop", folder + "/loop");
+  write_text(folder + "/empty", "");
+  for (const char *command : {"replay ", "picture ", "run --backend serial --scene "}) {
+    for (const std::string name :
+         {"/dev/zero", "/dev/null", "/dev/random", "/proc", "/proc/self/pagemap", "./loop",
+          "./empty", "'./of\ntwo lines'", "'./\xc4\xb0\xff'"}) {
+      const Outcome it = run_program(folder, command + name);
+      expect_contains(it.err, name[0] == '\'' ? name.substr(1, name.size() - 2) : name);
+      assert_true(it.exit_code == 1 || it.exit_code == 2);
+    }
+  }
+  write_text(folder + "/mill.json", mill);
+  const std::string piped =
+      "record --backend reference --to mill.record --scene /dev/stdin <mill.json";
+  assert_int_equal(run_program(folder, piped).exit_code, 0);
+  expect_contains(run_program(folder, "replay /dev/stdin <mill.record").out, "the same: 20");
+}
+
 void output_that_is_lost_exits_with_1(void **) {
   const std::string folder = work_folder("lost"), errors = folder + "/err.txt";
   const std::string program = "'" PBF_TEST_PROGRAM "' ", told = " 2>'" + errors + "'";
@@ -354,6 +376,7 @@ int main() {
       cmocka_unit_test(batches_do_not_change_the_result),
       cmocka_unit_test(speedup_writes_google_benchmarks_json),
       cmocka_unit_test(backends_with_threads_take_part_with_each_number),
+      cmocka_unit_test(what_is_no_file_is_told),
       cmocka_unit_test(the_page_needs_nothing_beside_it),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
