@@ -5,6 +5,7 @@
 #ifndef PBF_PHYSICS_DEPTH_H
 #define PBF_PHYSICS_DEPTH_H
 
+#include "physics/attraction_depth.h"
 #include "physics/basins.h"
 #include "physics/choices.h"
 #include "physics/derive.h"
@@ -134,6 +135,15 @@ static inline int pbf_depth_is_beyond_left(const pbf_params *params, int axis, d
   return pbf_depth_error(params, head) > PBF_DEPTH_LEFT;
 }
 
+/* Whether the iterations would leave more than that under so many particles that an attraction
+ * weighs. */
+static inline int pbf_attraction_leaves(const pbf_params *params, uint32_t colliders,
+                                        const pbf_collider *list, uint32_t count, double error) {
+  const double fluid = count * pow(pbf_derive_spacing(params), PBF_DIM);
+  const double head = pbf_attraction_head(params, colliders, list, fluid);
+  return pbf_depth_error(params, head * params->time_step * params->time_step) > error;
+}
+
 /* Such parameters as leave this error for each layer, in place of those that leave another one. */
 static inline pbf_params pbf_with_error_per_layer(const pbf_params *params, double error) {
   pbf_params other = *params;
@@ -149,11 +159,14 @@ static inline int pbf_depth_wants_grid(const pbf_params *params, pbf_basins *bas
                                        double most) {
   const double error = pbf_error_per_layer(params, PBF_DIM);
   if (!(error > 0) || pbf_is_more_than_ever(error, most))
-    return pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count);
+    return pbf_depth_could_be(pbf_depth_is_deep, params, basins, colliders, list, count) ||
+           pbf_attraction_leaves(params, colliders, list, count, PBF_DEPTH_DEEP);
   const pbf_params longest = pbf_with_error_per_layer(params, most);
   return pbf_depth_could_be(pbf_depth_is_sheared, params, basins, colliders, list, count) ||
          (pbf_depth_could_be(pbf_depth_is_beyond_left, params, basins, colliders, list, count) &&
-          pbf_depth_could_be(pbf_depth_is_deep, &longest, basins, colliders, list, count));
+          pbf_depth_could_be(pbf_depth_is_deep, &longest, basins, colliders, list, count)) ||
+         (pbf_attraction_leaves(params, colliders, list, count, PBF_DEPTH_LEFT) &&
+          pbf_attraction_leaves(&longest, colliders, list, count, PBF_DEPTH_DEEP));
 }
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
