@@ -13,14 +13,19 @@ static inline double pbf_radius_with(double radius, double more) {
   return volume > 0 ? pow(volume, 1.0 / PBF_DIM) : 0;
 }
 
-/* What so much fluid weighs at the deepest, over density, as if the colliders that hold it were
- * balls around the attraction's centre. 0 where none of them holds the centre: fluid that gathers
- * to a ball by itself is a free body, the momentum of which a grid keeps less well. */
-static inline double pbf_attraction_head(const pbf_params *params, uint32_t count,
-                                         const pbf_collider *colliders, double fluid) {
+/* How deep it is, and what it weighs at the deepest, over density. */
+typedef struct pbf_attracted {
+  double depth, head;
+} pbf_attracted;
+
+/* Of so much fluid, as if the colliders that hold it were balls around the attraction's centre: of
+ * the one that bears most. None where no collider holds the centre: fluid that gathers to a ball by
+ * itself is a free body, the momentum of which a grid keeps less well. */
+static inline pbf_attracted pbf_attracted_of(const pbf_params *params, uint32_t count,
+                                             const pbf_collider *colliders, double fluid) {
   const int gathers = params->attraction > 0;
-  double head = 0;
-  if (params->attraction == 0) return 0;
+  pbf_attracted most = {0, 0};
+  if (params->attraction == 0) return most;
   for (uint32_t k = 0; k < count; ++k) {
     if (!(gathers ? pbf_is_solid(&colliders[k]) : pbf_is_container(&colliders[k]))) continue;
     const pbf_surface s = pbf_surface_as_set(&colliders[k]);
@@ -29,9 +34,10 @@ static inline double pbf_attraction_head(const pbf_params *params, uint32_t coun
     const double distance = (double)pbf_surface_distance(&s, center, &normal);
     if (gathers ? !(distance < 0) : !(distance > 0)) continue;
     const double floor = fabs(distance), level = pbf_radius_with(floor, gathers ? fluid : -fluid);
-    head = fmax(head, 0.5 * fabs(params->attraction * (level * level - floor * floor)));
+    const double head = 0.5 * fabs(params->attraction * (level * level - floor * floor));
+    if (head > most.head) most = pbf_attracted{fabs(level - floor), head};
   }
-  return head;
+  return most;
 }
 
 #endif

@@ -210,8 +210,8 @@ static void divided_steps_have_the_tension(void **state) {
 }
 
 /* Laplace's pressure is there in any step, not as a mean of several: a program that reads it every
- * third, or once in a frame of 3, 6 or 9 parts, reads the same. Where what keeps the surface fluid acted in
- * every third step alone, these had 1.0, 1.9 and 0.3 of it by turns. */
+ * third, or once in a frame of 3, 6 or 9 parts, reads the same. Where what keeps the surface fluid
+ * acted in every third step alone, these had 1.0, 1.9 and 0.3 of it by turns. */
 static void check_each_step(uint32_t dimension, uint32_t precision) {
   enum { TURNS = 3, EACH = 12 };
   const pbf_params params = calm_params(1);
