@@ -159,7 +159,7 @@ struct executor {
     solved = true;
     moved = velocity_moves(w->s);
   }
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(&w->s->schedule, nth); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { over_pairs(deviator_task, PBF_STAGE_DEVIATOR); }
   void shear_push() { over_pairs(shear_push_task, PBF_STAGE_SHEAR_PUSH); }
   void correct_shear_stress() {

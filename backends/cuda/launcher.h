@@ -83,7 +83,7 @@ struct launcher {
       kernel<<<blocks_for(all.count - all.first), PBF_BLOCK, 0, s->stream>>>(all, arguments...);
   }
 
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(&s->schedule, nth); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
 
   /* Where the solve has left points that nothing reads any more: the sizes of curls, … */
   pbf_real *curl_sizes() const { return reinterpret_cast<pbf_real *>(s->other); }

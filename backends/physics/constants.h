@@ -88,6 +88,13 @@ PBF_FN pbf_real pbf_slope_scale(int features, const pbf_constants *c) {
  * boils that no pressure grid carries. */
 enum { PBF_SHEAR_STRESS_STEPS = 3 };
 
+/* Whether the step that is the nth of its length is one of these: by what calls, divided in
+ * whatever way, and saved states keep. A correction stands for as many steps that are alike, so
+ * that steps that alternate have none. */
+static inline int pbf_shear_stress_is_due(uint64_t nth) {
+  return nth % PBF_SHEAR_STRESS_STEPS == 0;
+}
+
 /* Share by share, what starts dense would still be thrown: ten layers 6 % too dense flew at eleven
  * times the speed of a fall by half a layer. Such a step undoes no more than fluid does that
  * spreads by a tenth of its length while a particle falls by h / 2: 0.002 dt / time, of which the

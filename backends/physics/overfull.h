@@ -53,8 +53,6 @@ static inline void pbf_set_constants_of_step(pbf_constants *c, const pbf_constan
   }
   if (usual->accelerated) target = pbf_density_in_volume(params, count, has->min_volume, time);
   c->smoothing = pbf_smooths_pressure(usual, has) ? usual->smoothing : 0;
-  c->shear_stress_part = usual->shear_stress_part *
-                         (pbf_real)((double)pbf_shear_stress_steps(has) / PBF_SHEAR_STRESS_STEPS);
   c->max_change = usual->max_change * (pbf_real)(max_change / all);
   c->target = (pbf_real)target;
   c->tension_min_density = usual->tension_min_density + (pbf_real)(target - 1);

@@ -102,21 +102,6 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   return s;
 }
 
-/* In how many steps one corrects the shear stress. Where pairs alone carry what a surface presses
- * with, one correction for three steps is a blow that lambda answers: pressure in drops was 0.3,
- * 0.9 and 2 times Laplace's in turn, so that what was read every third step was off by as much. */
-static inline uint32_t pbf_shear_stress_steps(const pbf_schedule *has) {
-  const bool pulls = has->runs[PBF_STAGE_SURFACE_TENSION] && !has->runs[PBF_STAGE_GRID];
-  return pulls ? 1 : PBF_SHEAR_STRESS_STEPS;
-}
-
-/* Whether the step that is the nth of its length is one of these: by what calls, divided in
- * whatever way, and saved states keep. A correction stands for as many steps that are alike, so
- * that of three steps that alternate none has one. */
-static inline bool pbf_shear_stress_is_due(const pbf_schedule *has, uint64_t nth) {
-  return nth % pbf_shear_stress_steps(has) == 0;
-}
-
 static inline const char *pbf_stage_name(pbf_stage stage) {
   static const char *const names[PBF_STAGE_COUNT] = {
 #define PBF_STAGE(ID, name, feature, times, launches) name,

@@ -549,7 +549,7 @@ struct executor {
     s->iterations = k + 1;
   }
   void velocity() { end_solve(s, &obstacles); }
-  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(&s->schedule, nth); }
+  bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }
   void deviator() { find_deviators(s, &obstacles); }
   void shear_push() { find_shear_pushes(s); }
   void correct_shear_stress() { ::correct_shear_stress(s, &obstacles); }

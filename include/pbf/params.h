@@ -148,9 +148,9 @@ typedef struct pbf_params {
                            cells evenly. -1, the default: 2 with PBF_SOLVER_CHEBYSHEV where the
                            particles would settle so deep, H, in the domain, in an inverted sphere,
                            capsule or box, or between other colliders, that
-                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or that
-                           attraction weighs as much around a solid or in a container; or 6 layers
-                           with shear_stress_correction, 18 where that is -1, the default; or 0.
+                           g H dt² > 0.06 iterations spacing² (18 layers of the defaults), or 16
+                           layers of as much, that attraction weighs around a solid or in a
+                           container; or 6 with shear_stress_correction, 18 where that is -1; or 0.
                            Decided at the begin of each pbf_step by as many particles as there are,
                            or as the last step was for, unless a quarter of these is gone: it would
                            flicker where particles come and go. Solids of up to two cells part the
@@ -209,11 +209,11 @@ typedef struct pbf_params {
                        GPU. From 0.9 on water at rest boils in short steps, and less than 18 layers
                        of it tremble with 0.75. With it water of 6 layers and more has a pressure
                        grid, unless pressure_grid says otherwise, and it needs one. Three passes
-                       over pairs every third step, in each with surface_tension and no grid. -1,
-                       the default: 0.75, less what smoothing_radius / spacing is above 2, and at
-                       least 0.25, with PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers
-                       deep under gravity (decided as for pressure_grid) and a pressure grid may
-                       be, or where there is surface_tension, or 0 */
+                       over pairs every third step. -1, the default: 0.75, less what
+                       smoothing_radius / spacing is above 2, and at least 0.25, with
+                       PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
+                       gravity (decided as for pressure_grid) and a pressure grid may be, or where
+                       there is surface_tension, or 0 */
   double wall_friction; /* Coulomb friction of the domain's walls, >= 0: so much of what a wall
                            pushes a particle with acts along it against its motion. 0, the default:
                            fluid slides on walls freely */

