@@ -220,6 +220,7 @@ static void check_grids(uint32_t dimension, uint32_t precision) {
   c.params.domain_max[0] = dimension == 3 ? 0.72 : 2;
   c.params.domain_max[2] = 0.85;
   c.params.domain_max[1] = 6;
+  c.params.time_step = 1.0 / 60;
   expect_grid(&c);
   check("deep water", &c);
 }
