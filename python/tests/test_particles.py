@@ -1,4 +1,6 @@
 """Particles that are added, removed, read and set."""
+import re
+
 import numpy as np
 import pytest
 
@@ -200,3 +202,54 @@ def test_anisotropies(make):
     with pytest.raises(pbf.InvalidArgumentError, match="anisotropy.radius is 9"):
         fluid.anisotropies(radius=9)
     assert len(make(dimension=2).anisotropies().stretches) == 0
+
+
+def test_write_from_a_layout(make):
+    given = np.arange(12.0).reshape(3, 4) / 16
+    for dtype in (np.float32, np.float64, np.int64):
+        fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2], [0.6, 0.2, 0.2], [0.8, 0.2, 0.2]])
+        rows = (16 * given).astype(dtype) if dtype is np.int64 else given.astype(dtype)
+        fluid.write("velocity", rows, first=1)
+        assert (fluid.velocities[0] == 0).all()
+        assert (fluid.velocities[1:] == rows[:, :3]).all()
+        fluid.write("position", given[::2, :3] + 0.125)
+        assert (fluid.positions[:2] == given[::2, :3] + 0.125).all()
+
+
+def test_write_refuses(make):
+    fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2]])
+    before = fluid.hash
+    for array, error, words in (
+            ([[1.0, 2.0]], pbf.InvalidArgumentError, "array has the shape (1, 2)"),
+            ([[np.nan, 0, 0]], pbf.InvalidArgumentError, "velocities[0][0] is NaN"),
+            (np.zeros((3, 3)), pbf.InvalidArgumentError, "first is 0 and count 3"),
+            (np.zeros((1, 6))[:, ::2], pbf.InvalidArgumentError, "array has the strides")):
+        with pytest.raises(error, match=re.escape(words)):
+            fluid.write("velocity", array)
+    with pytest.raises(pbf.InvalidArgumentError, match=r"write.field is 4"):
+        fluid.write("density", [[1.0, 2.0, 3.0]])
+    with pytest.raises(pbf.InvalidArgumentError, match="stream is given"):
+        fluid.write("velocity", [[1.0, 2.0, 3.0]], stream=1)
+    assert fluid.hash == before
+
+
+class OnGpu:
+    """As arrays of a GPU describe themselves; the memory is never looked at here."""
+
+    def __init__(self, shape, readonly=False):
+        self.__cuda_array_interface__ = {"version": 3, "shape": shape, "typestr": "<f4", "strides": None,
+                                         "data": (1 << 20, readonly), "stream": 1}
+
+
+def test_arrays_on_a_gpu_want_a_solver_there(make):
+    fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2]])
+    if fluid.backend == "cuda":
+        pytest.skip("the solver is on a GPU")
+    with pytest.raises(pbf.UnsupportedError, match=r"read.device_type is 2"):
+        fluid.read("position", OnGpu((2, 3)))
+    with pytest.raises(pbf.UnsupportedError, match=r"write.device_type is 2"):
+        fluid.write("velocity", OnGpu((2, 4)))
+    with pytest.raises(pbf.InvalidArgumentError, match="not writeable"):
+        fluid.read("position", OnGpu((2, 3), readonly=True))
+    with pytest.raises(pbf.InvalidArgumentError, match="stream is"):
+        fluid.write("velocity", OnGpu((2, 3)), stream="mine")
