@@ -1,5 +1,6 @@
 /* Calls that signal handlers make while others run, and calls that a longjmp leaves from within the
  * caller's functions. */
+#include <errno.h>
 #include <signal.h>
 #include <sys/time.h>
 
