@@ -50,10 +50,11 @@ pbf_status pbf_fail(pbf_status status, const char *format, ...) {
 
 /* One place for all sentences of a thread: a program may ask before the call that it asks about, as
  * where both are arguments of a function, which C evaluates in any order. There may be memory again
- * where there was none when the call failed. */
+ * where there was none when the call failed: what was lost then stands in that place. */
 const char *pbf_last_error(void) {
-  const messages *own = pbf_per_thread_take(&own_messages);
-  return own && own->last[0] ? own->last : none();
+  messages *own = pbf_per_thread_take(&own_messages);
+  if (own && !own->last[0]) snprintf(own->last, sizeof own->last, "%s", none());
+  return own ? own->last : none();
 }
 
 void pbf_plugin_message_set(const char *message) {

@@ -14,6 +14,7 @@ static pbf_solver *solver;
 static volatile sig_atomic_t handled, refused, others;
 
 static void call_from_handler(int number) {
+  const int interrupted_errno = errno;
   (void)number;
   uint32_t count;
   pbf_status status = pbf_get_count(solver, &count);
@@ -22,6 +23,7 @@ static void call_from_handler(int number) {
   others += status != PBF_ERROR_BUSY && status != PBF_OK;
   status = pbf_get_backend_count(&count);
   others += status != PBF_ERROR_BUSY && status != PBF_OK;
+  errno = interrupted_errno; /* as a handler has to: what it calls may change it */
 }
 
 static void set_timer(int microseconds) {
