@@ -3,7 +3,7 @@
 # with two backends in one program that is optimised when it is linked.
 set -eu
 cmake=$1 source=$2 folder=$3
-small="-DCMAKE_BUILD_TYPE=Debug -DPBF_VARIANTS=3d-f32 -DPBF_ISAS=scalar"
+small="-DCMAKE_BUILD_TYPE=Debug -DPBF_VARIANTS=3d-f32 -DPBF_ISAS=scalar -DCMAKE_C_FLAGS_DEBUG=-Og -DCMAKE_CXX_FLAGS_DEBUG=-Og"
 quiet() { "$@" >"$folder.log" 2>&1 || { cat "$folder.log"; exit 1; }; }
 build() { # how, options
   how=$1
