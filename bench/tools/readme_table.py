@@ -2,7 +2,7 @@
 """Writes the README's speed-up table from a result of `pbf-bench speedup --json`, and its sentence on
 GPUs from what bench/gpu.sh and bench/gpu-ranks.sh left.
 
-    bench/tools/readme_table.py bench/results/nvidia-h200/speedup.json bench/results/nvidia-h100/times.json \\
+    bench/tools/readme_table.py bench/results/nvidia-h200/speedup.json bench/results/nvidia-h200/times.json \\
         bench/results/nvidia-h200-x4/ranks-times.json
 """
 import json
