@@ -18,7 +18,7 @@ static __device__ __forceinline__ bool is_idle(const iteration_extras &extras, u
   return PBF_SLEEP && activity && (*extras.rest.all || pbf_is_inactive(activity[i]));
 }
 
-/* What walls and colliders contribute. Nobody reads what it leaves as it is: gradients where the
+/* What walls and colliders contribute. Not read is what it leaves as it is: gradients where the
  * density is 0, and all of idle particles. */
 template <surfaces_met SURFACES>
 static __global__ void __launch_bounds__(PBF_BLOCK, BLOCKS_WITH_SOLIDS)

@@ -18,7 +18,7 @@ static void put(void *data, uint32_t type, uint64_t place, double x) {
     ((double *)data)[place] = x;
 }
 
-/* Rows of `width` numbers, those beyond the dimension not finite: nobody reads them. */
+/* Rows of `width` numbers, those beyond the dimension not finite: they are not read. */
 static void fill(void *data, uint32_t type, uint32_t field, uint32_t dimension, uint32_t width) {
   for (uint32_t i = 0; i < SOME; ++i)
     for (uint32_t k = 0; k < width; ++k)

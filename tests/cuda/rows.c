@@ -157,7 +157,7 @@ static void the_order_of_storing(void **state) {
 static double speed_of(uint32_t i, uint32_t k) { return (double)(i % 9) / 8 - (double)k / 16; }
 static double place_of(uint32_t i, uint32_t k) { return 0.25 + (i * 7 + k * 3) % 32 / 64.0; }
 
-/* Rows of four float64, of which the last is not finite: nobody reads it. */
+/* Rows of four float64, of which the last is not finite: it is not read. */
 static void fill(uint32_t field, uint32_t dimension, double *numbers) {
   for (uint32_t i = 0; i < SOME; ++i)
     for (uint32_t k = 0; k < 4; ++k)
