@@ -27,11 +27,11 @@ def choice(name: str, value: str, known: Mapping[str, int]) -> int:
     return known[value]
 
 
-def element_type(dtype: np.dtype[Any]) -> int:
-    """Of an array that the library writes to."""
+def element_type(dtype: np.dtype[Any], name: str = "out") -> int:
+    """Of an array that the library writes to, or reads."""
     if not dtype.isnative:
         raise InvalidArgumentError(
-            f"out holds {dtype.str!r}; its bytes must be in this machine's order")
+            f"{name} holds {dtype.str!r}; its bytes must be in this machine's order")
     return choice("dtype", dtype.name, TYPES)
 
 

@@ -133,13 +133,14 @@ class Reading(Handle):
         found: NDArray[Any] | DeviceArray | None = device_array_of("array", array, stream)
         if found is None:
             given = numpy_of("array", array)
-            found = given if given.dtype.name in ("float32", "float64") else given.astype(self.dtype)
+            own = given.dtype.name in ("float32", "float64") and given.dtype.isnative
+            found = given if own else given.astype(self.dtype)
         if found.ndim != 2 or not self.dimension <= found.shape[1] <= 4:
             raise InvalidArgumentError(
                 f"array has the shape {found.shape}; it must be (count, {self.dimension} … 4)")
         struct.components = self._check_rows_of("array", found)
         struct.count = uint32("count", len(found))
-        struct.element_type = element_type(found.dtype)
+        struct.element_type = element_type(found.dtype, "array")
         struct.stride = found.strides[0] if len(found) > 1 else 0
         if isinstance(found, DeviceArray):
             place(struct, found, lib.PBF_DEVICE_CUDA)

@@ -206,7 +206,7 @@ def test_anisotropies(make):
 
 def test_write_from_a_layout(make):
     given = np.arange(12.0).reshape(3, 4) / 16
-    for dtype in (np.float32, np.float64, np.int64):
+    for dtype in (np.float32, np.float64, np.int64, np.dtype(np.float32).newbyteorder()):
         fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2], [0.6, 0.2, 0.2], [0.8, 0.2, 0.2]])
         rows = (16 * given).astype(dtype) if dtype is np.int64 else given.astype(dtype)
         fluid.write("velocity", rows, first=1)
