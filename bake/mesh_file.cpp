@@ -59,7 +59,7 @@ void add_mesh(const aiMesh &from, Mesh &mesh) {
   for (unsigned i = 0; i < from.mNumFaces; ++i) add_face(from, from.mFaces[i], first, mesh);
 }
 
-// Of Assimp, whose readers crash, or do not end, with some damaged files.
+// Of Assimp. Its readers crash, or do not end, with some damaged files.
 Mesh read_here(const std::string &path) {
   Assimp::Importer importer;
   // Places and triangles alone: a mesh split by colours or normals is one again in the library.

@@ -6,6 +6,7 @@
 
 #include "cuda/arrays.h"
 #include "cuda/collider_room.h"
+#include "cuda/device_calls.h"
 #include "cuda/executor.h"
 #include "cuda/population.h"
 #include "cuda/rank_calls.h"
@@ -570,31 +571,6 @@ static pbf_status map(pbf_backend_solver *handle, uint32_t field, pbf_view *view
   return PBF_OK;
 }
 
-/* ---- The caller's memory on the device: pbf.device_rows/1 ---- */
-
-static pbf_status read_rows(pbf_backend_solver *handle, const pbf_device_rows *to) {
-  solver *s = of(handle);
-  if (to->field == PBF_FIELD_DENSITY && !(PBF_BUILT & PBF_FEATURE_STATS))
-    return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
-  pbf_cuda_scope scope(s->context);
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "memory of the device");
-  return read_device_rows(s, to);
-}
-
-static pbf_status write_rows(pbf_backend_solver *handle, const pbf_device_rows *from) {
-  solver *s = of(handle);
-  pbf_cuda_scope scope(s->context);
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "memory of the device");
-  return write_device_rows(s, from);
-}
-
-static pbf_status fetch_rows(pbf_backend_solver *handle, const pbf_device_rows *from, void *to) {
-  solver *s = of(handle);
-  pbf_cuda_scope scope(s->context);
-  if (has_ranks(s)) return refuse_call_on_ranks(s, "memory of the device");
-  return fetch_device_rows(s, from, to);
-}
-
 static pbf_status read_pressures(pbf_backend_solver *handle, const pbf_rows *rows, void *out) {
   pbf_cuda_scope scope(of(handle)->context);
   if (has_ranks(of(handle))) return refuse_call_on_ranks(of(handle), "a pressure");
@@ -675,10 +651,8 @@ static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) 
 static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
-  static const pbf_backend_device_rows rows = {sizeof(pbf_backend_device_rows), 0, read_rows,
-                                               write_rows, fetch_rows};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
-  if (strcmp(name, PBF_BACKEND_DEVICE_ROWS) == 0) return &rows;
+  if (strcmp(name, PBF_BACKEND_DEVICE_ROWS) == 0) return &device_calls;
   return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : pbf_common_extension(name);
 }
 

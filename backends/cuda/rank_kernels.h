@@ -347,7 +347,7 @@ static __device__ __forceinline__ uint32_t index_on(const rank_place &p, uint32_
   return min(__ldcv(its + cell) + (index - n.further[cell]), n.count);
 }
 
-/* Adds up what all ranks' particles make of the cells: integers, whose order does not matter. Sums
+/* Adds up what all ranks' particles make of the cells: integers, in any order. Sums
  * of all indices come before their places. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     add_sums_kernel(rank_place p, uint32_t halo, rank_indices n, unsigned long long *sums) {

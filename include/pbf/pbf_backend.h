@@ -232,9 +232,9 @@ typedef struct pbf_device_rows {
   const char *name; /* of `data`, for sentences */
 } pbf_device_rows;
 
-/* The extension of a backend whose solvers read and write such rows. What it does comes after what
- * `stream` has been given before the call, and before what it is given after. `data` that is not
- * memory of the device, or too little of it, is PBF_ERROR_INVALID_ARGUMENT. */
+/* The extension of a backend with solvers that read and write such rows. What it does comes after
+ * what `stream` has been given before the call, and before what it is given after. `data` that is
+ * not memory of the device, or too little of it, is PBF_ERROR_INVALID_ARGUMENT. */
 #define PBF_BACKEND_DEVICE_ROWS "pbf.device_rows/1"
 typedef struct pbf_backend_device_rows {
   uint32_t struct_size;

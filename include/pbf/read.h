@@ -53,8 +53,8 @@ typedef struct pbf_read_desc {
                            the GPU that the solver runs on, be it allocated by CUDA or a buffer of
                            Vulkan, Direct3D or OpenGL that CUDA has mapped */
   uint32_t reserved;    /* 0 */
-  void *stream; /* of that memory: a cudaStream_t, after whose work so far `data` is written,
-                   and which has it before its work to come; null: pbf_desc.stream */
+  void *stream; /* of that memory, a cudaStream_t: `data` is written after what it has been given so
+                   far, and before what it is given next; null: pbf_desc.stream */
 } pbf_read_desc;
 
 /* Writes nothing but what it is asked for, at about the speed of memory: to memory of a GPU by a

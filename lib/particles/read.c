@@ -102,14 +102,7 @@ static pbf_status check_place(const pbf_solver *solver, const pbf_read_desc *rea
   const uint32_t size = bytes_of(type_of(solver, read));
   const uint64_t least = (uint64_t)components_of(solver, read) * size;
   if (read->count == 0) return PBF_OK;
-  if (read->stride != 0 &&
-      (read->stride < least || read->stride % size != 0 || read->stride > UINT32_MAX))
-    return pbf_fail(
-        PBF_ERROR_INVALID_ARGUMENT,
-        "read.stride is %.0f; it must be a multiple of %u from %.0f up to 4294967295, or "
-        "0 for no gap",
-        (double)read->stride, size, (double)least);
-  return pbf_values_check_pointer("read.data", read->data, size);
+  return pbf_values_check_layout("read", read->data, read->stride, least, size);
 }
 
 static pbf_status check_device(const pbf_solver *solver, const pbf_read_desc *read) {

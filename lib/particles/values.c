@@ -35,6 +35,18 @@ pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32
                   (void *)(uintptr_t)values, alignment);
 }
 
+pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t stride,
+                                   uint64_t least, uint32_t element_size) {
+  char name[16];
+  if (stride != 0 && (stride < least || stride % element_size != 0 || stride > UINT32_MAX))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.stride is %.0f; it must be a multiple of %u from %.0f up to 4294967295, or "
+                    "0 for no gap",
+                    call, (double)stride, element_size, (double)least);
+  pbf_text_write(name, sizeof name, "%s.data", call);
+  return pbf_values_check_pointer(name, data, element_size);
+}
+
 /* `count` where all are at most that in size; NaN is not. */
 static uint64_t first_beyond(const pbf_solver *solver, double most, const void *values,
                              uint64_t count) {

@@ -12,7 +12,7 @@
 #include "structs.h"
 #include "values.h"
 
-/* A writing whose zeros are what they stand for. */
+/* A writing, in which zeros have given way to what they stand for. */
 typedef struct writing {
   pbf_solver *solver;
   pbf_write_desc desc;
@@ -49,13 +49,7 @@ static pbf_status check_place(const writing *w) {
   const pbf_write_desc *desc = &w->desc;
   const uint64_t least = (uint64_t)desc->components * w->size;
   if (desc->count == 0) return PBF_OK;
-  if (desc->stride < least || desc->stride % w->size != 0 || desc->stride > UINT32_MAX)
-    return pbf_fail(
-        PBF_ERROR_INVALID_ARGUMENT,
-        "write.stride is %.0f; it must be a multiple of %u from %.0f up to 4294967295, or "
-        "0 for no gap",
-        (double)desc->stride, w->size, (double)least);
-  return pbf_values_check_pointer("write.data", desc->data, w->size);
+  return pbf_values_check_layout("write", desc->data, desc->stride, least, w->size);
 }
 
 /* ---- Numbers as the solver has them, without gaps -------------------------------------------- */

@@ -121,7 +121,7 @@ class Reading(Handle):
     def write(self, field: str, array: AnyArray | SupportsCuda, *, first: int = 0,
               stream: Any = None) -> None:
         """Positions or velocities of the rows `first`, `first` + 1, … from an array of shape
-        (count, dimension) or wider, whose further columns are left alone.
+        (count, dimension) or wider; further columns are left alone.
 
         On a GPU that the solver runs on it may be an array of PyTorch, CuPy, …: velocities are then
         written there, and the host does not wait. Some that are not finite are told by the next

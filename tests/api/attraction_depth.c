@@ -71,14 +71,7 @@ static void set_ball(pbf_solver *s, const vessel *v, double aside) {
   assert_ok(pbf_set_colliders(s, 1, &ball));
 }
 
-static int has_grid(pbf_solver *s) {
-  int found = 0;
-  pbf_plan plan = {.struct_size = sizeof plan};
-  assert_ok(pbf_get_plan(s, &plan));
-  for (uint32_t k = 0; k < plan.stage_count; ++k)
-    found |= strcmp(plan.stages[k].name, "pressure grid") == 0;
-  return found;
-}
+static int has_grid(pbf_solver *s) { return test_has_stage(s, "pressure grid"); }
 
 /* The mean of r² about the centre, and of the pressure over what the fluid between it and the level
  * weighs. */

@@ -1,14 +1,7 @@
 /* Which water is so deep that the solver gives it a pressure grid. */
 #include "deep_column.h"
 
-static int keeps_grid(pbf_solver *s) {
-  int found = 0;
-  pbf_plan plan = {.struct_size = sizeof plan};
-  assert_ok(pbf_get_plan(s, &plan));
-  for (uint32_t k = 0; k < plan.stage_count; ++k)
-    found |= strcmp(plan.stages[k].name, "pressure grid") == 0;
-  return found;
-}
+static int keeps_grid(pbf_solver *s) { return test_has_stage(s, "pressure grid"); }
 
 static int has_grid(uint32_t layers, const pbf_params *params) {
   pbf_desc desc = test_desc(3, PBF_FLOAT32, MOST);

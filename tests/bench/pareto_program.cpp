@@ -37,7 +37,10 @@ std::string start(const char *name) {
 }
 
 void the_quick_sweep_writes_results_and_a_page(void **) {
-  if (!test_is_long()) skip();
+  if (!test_is_long()) {
+    std::puts("skipped: the whole sweep runs where PBF_TEST_LONG is set, as by ./run test long");
+    skip();
+  }
   const std::string folder = start("quick");
   const Outcome run = run_program(folder,
                                   "pareto --quick --scene dam-break-2d --backends reference --json "

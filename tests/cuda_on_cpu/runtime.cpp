@@ -291,7 +291,7 @@ char *take_guarded(size_t bytes, allocation *a) {
   return a->mapping + a->mapped - PAGE - bytes;
 }
 
-/* Whose memory this is; the end: of none. */
+/* The allocation that this is in; the end: it is in none. */
 typedef std::map<char *, allocation> allocations;
 allocations::const_iterator allocation_around(const allocations &memory, const void *at) {
   char *place = static_cast<char *>(const_cast<void *>(at));

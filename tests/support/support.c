@@ -84,6 +84,14 @@ ballistic_control *test_stub_control(void) {
   return control;
 }
 
+int test_has_stage(pbf_solver *solver, const char *name) {
+  int found = 0;
+  pbf_plan plan = {.struct_size = sizeof plan};
+  assert_ok(pbf_get_plan(solver, &plan));
+  for (uint32_t k = 0; k < plan.stage_count; ++k) found |= !strcmp(plan.stages[k].name, name);
+  return found;
+}
+
 void test_skip(const char *why) {
   print_message("skipped: %s\n", why);
   skip();

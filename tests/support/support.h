@@ -28,6 +28,9 @@ int test_is_stub(void);
 int test_run(const char *name, const struct CMUnitTest *tests, size_t count);
 #define TEST_RUN(tests) test_run(#tests, tests, sizeof(tests) / sizeof(tests)[0])
 
+/* Whether the solver's plan has a stage of that name. */
+int test_has_stage(pbf_solver *solver, const char *name);
+
 /* The switches of the stub, back at "honest". */
 ballistic_control *test_stub_control(void);
 
