@@ -46,17 +46,18 @@ if [ -n "$quick" ]; then
   timed 1000000 1
   [ "$devices" -gt 1 ] && timed 1000000 2
 else
-  # Times first. Ranks 0 is a solver without ranks; from 16 million on, weak scaling follows.
-  for size in 1000000 16000000; do
+  # Times first. Ranks 0 is a solver without ranks. Then weak scaling, with 32 million for each.
+  for size in 1000000 16000000 64000000; do
     count=0
     while [ "$count" -le "$devices" ]; do
       timed "$size" "$count"
       count=$((count == 0 ? 1 : 2 * count))
     done
   done
+  timed 32000000 0
   count=2
   while [ "$count" -le "$devices" ]; do
-    timed $((16000000 * count)) "$count"
+    [ "$count" -eq 2 ] || timed $((32000000 * count)) "$count" # 64 million on two there are
     count=$((2 * count))
   done
   same 2

@@ -337,7 +337,7 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision, i
   /* Its share, and what is within a cell of its ends: two layers of the lattice and a row, which
    * waves press together. */
   const uint32_t ends = ranks > 2 ? 2 : 1, section = j.s.counts[0] * j.s.counts[1];
-  if (ranks > 1) j.local_capacity = count / ranks + ends * 28 * (section / 10) + 2048;
+  if (ranks > 1) j.local_capacity = count / ranks + ends * 3 * section + 2048;
   run(&j, time_job);
   qsort(j.ms, j.runs, sizeof *j.ms, ascending);
   uint64_t bytes = 0, exchanged = 0;
