@@ -26,12 +26,20 @@ struct pressure_grid_arrays {
   double *free_volumes;              /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
+  float *coarse;    /* of the levels of the solve (pressure_grid_levels.h) */
+  uint8_t *moves;   /* of nodes: whether they are moved by these */
   pbf_pressure_grid_topology topology; /* of thin solids */
 };
 
+/* Numbers of all coarser levels: a level has an eighth of the nodes of the one before, in 2D a
+ * quarter, and 18 or 9 numbers for each. Narrow grids need more of their few nodes. */
+static inline uint64_t pressure_grid_coarse_words(uint32_t capacity) {
+  return 4 * pbf_pressure_grid_max_nodes(capacity) + 65536;
+}
+
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
-  return sizeof(pressure_grid_control) +
-         pbf_pressure_grid_max_nodes(capacity) * (8 * sizeof(double) + sizeof(uint32_t));
+  return sizeof(pressure_grid_control) + pressure_grid_coarse_words(capacity) * sizeof(float) +
+         pbf_pressure_grid_max_nodes(capacity) * (8 * sizeof(double) + sizeof(uint32_t) + 1);
 }
 
 /* Behind the topology are the colliders that it is of, if they are few. */
@@ -69,6 +77,8 @@ static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_
                              &a.inverse,      &a.lambda, &a.before};
   for (double **array : arrays) *array = next += limit;
   a.inside = reinterpret_cast<uint32_t *>(next + limit);
+  a.coarse = reinterpret_cast<float *>(a.inside + limit);
+  a.moves = reinterpret_cast<uint8_t *>(a.coarse + pressure_grid_coarse_words(capacity));
   a.topology = pbf_pressure_grid_topology_in(nullptr, 0, 0);
   return a;
 }

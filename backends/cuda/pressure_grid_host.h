@@ -2,6 +2,7 @@
 #ifndef PBF_CUDA_PRESSURE_GRID_HOST_H
 #define PBF_CUDA_PRESSURE_GRID_HOST_H
 
+#include "cuda/pressure_grid_levels.h"
 #include "cuda/solver.h"
 
 static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_t blocks) {
@@ -10,8 +11,8 @@ static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_
          pressure_grid_length(pressure_grid_part_size(grid.nodes, blocks, reach), reach);
 }
 
-/* What a block can have, less what the kernel has of itself. */
-static inline size_t pressure_grid_max_shared(const solver *s) { return s->block_shared - 1024; }
+/* What a block can have, less what the kernels have of themselves. */
+static inline size_t pressure_grid_max_shared(const solver *s) { return s->block_shared - 2048; }
 
 static inline cudaLaunchConfig_t pressure_grid_config(const solver *s, uint32_t blocks,
                                                       size_t shared, cudaLaunchAttribute *cluster) {
@@ -33,6 +34,12 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   int clusters = 0;
   if (pbf_status status =
           pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                              (int)pressure_grid_max_shared(s)),
+                         "cudaFuncSetAttribute"))
+    return status;
+  if (pbf_status status =
+          pbf_cuda_check(cudaFuncSetAttribute(pressure_grid_levels_kernel,
+                                              cudaFuncAttributeMaxDynamicSharedMemorySize,
                                               (int)pressure_grid_max_shared(s)),
                          "cudaFuncSetAttribute"))
     return status;
@@ -66,14 +73,28 @@ static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_
   return pressure_grid_shared(grid, blocks) <= pressure_grid_max_shared(s) ? blocks : 0;
 }
 
+/* Corrections from coarser levels know no torn nodes. */
+static inline pressure_grid_levels levels_of_solve(const solver *s, const pbf_pressure_grid &grid,
+                                                   const pressure_grid_arrays &arrays) {
+  if (s->pressure_grid_solids) return {};
+  return pressure_grid_levels_in(arrays, grid, s->scene_capacity, pressure_grid_max_shared(s));
+}
+
 static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressure_grid &grid,
                                                     const pressure_grid_arrays &arrays) {
-  uint32_t blocks = pressure_grid_blocks(s, grid);
+  const uint32_t blocks = pressure_grid_blocks(s, grid);
+  const uint32_t resident =
+      min((grid.nodes + PRESSURE_GRID_THREADS - 1) / PRESSURE_GRID_THREADS, s->multiprocessors);
+  const pressure_grid_levels levels = levels_of_solve(s, grid, arrays);
+  if (levels.count)
+    return launch_resident(s, pressure_grid_levels_kernel, resident, PRESSURE_GRID_THREADS,
+                           words_of_levels(levels, levels.shared) * sizeof(float),
+                           "cudaLaunchCooperativeKernel of the pressure grid's levels", grid,
+                           arrays, levels);
   if (!blocks)
-    return launch_resident(
-        s, pressure_grid_solve_kernel<pressure_grid_in_memory>,
-        min((grid.nodes + PRESSURE_GRID_THREADS - 1) / PRESSURE_GRID_THREADS, s->multiprocessors),
-        PRESSURE_GRID_THREADS, 0, "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
+    return launch_resident(s, pressure_grid_solve_kernel<pressure_grid_in_memory>, resident,
+                           PRESSURE_GRID_THREADS, 0,
+                           "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
   cudaLaunchAttribute cluster;
   cudaLaunchConfig_t config =
       pressure_grid_config(s, blocks, pressure_grid_shared(grid, blocks), &cluster);

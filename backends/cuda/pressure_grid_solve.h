@@ -215,6 +215,64 @@ static __device__ __forceinline__ bool relax_torn(const pbf_pressure_grid &grid,
 /* ---- The iterations ---------------------------------------------------------------------------
  */
 
+/* A block's nodes, and lambda there. */
+template <class Lambda>
+struct pressure_grid_iterations {
+  const pbf_pressure_grid &grid;
+  const pressure_grid_arrays &a;
+  const pressure_grid_part part;
+  const uint32_t count;
+  Lambda lambda;
+  double *now, *before;
+  pressure_grid_equation kept[PRESSURE_GRID_KEPT];
+
+  __device__ __forceinline__ pressure_grid_iterations(const pbf_pressure_grid &grid,
+                                                      const pressure_grid_arrays &a)
+      : grid(grid),
+        a(a),
+        part(pressure_grid_part_of(grid, a.control->extent)),
+        count(list_inside(a, part)),
+        lambda(a, part) {
+    lambda.begin(grid, a, &now, &before);
+#pragma unroll
+    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q) {
+      uint32_t k = threadIdx.x + q * PRESSURE_GRID_THREADS;
+      if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
+    }
+  }
+
+  /* Calls visit(equation) for the thread's nodes. */
+  template <class Visit>
+  __device__ __forceinline__ void each(Visit visit) const {
+#pragma unroll
+    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q)
+      if (threadIdx.x + q * PRESSURE_GRID_THREADS < count) visit(kept[q]);
+    for (uint32_t i = threadIdx.x + PRESSURE_GRID_KEPT * PRESSURE_GRID_THREADS; i < count;
+         i += PRESSURE_GRID_THREADS)
+      visit(equation_of(grid, a, a.inside[part.first + i]));
+  }
+
+  /* Iteration k; whether it has asked, and nothing was missing before. */
+  __device__ __forceinline__ bool iterate(pbf_pressure_grid_solve *solve, int k) {
+    bool misses = false;
+    each([&](const pressure_grid_equation &e) {
+      uint32_t at = e.node - lambda.low();
+      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.inverse, at);
+      double next = pbf_pressure_grid_next(solve, residual, e.inverse, now[at], before[at]);
+      misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve->enough;
+      before[at] = next;
+      lambda.hand_on(before, at, next);
+    });
+    if (Lambda::TORN) misses = relax_torn(grid, a, *solve, now, before) || misses;
+    const bool asks = pbf_pressure_grid_asks(k), over = !lambda.meet(asks, misses) && asks;
+    pbf_pressure_grid_solve_go_on(solve, k);
+    double *other = now;
+    now = before;
+    before = other;
+    return over;
+  }
+};
+
 template <class Lambda>
 static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
     pressure_grid_solve_kernel(const __grid_constant__ pbf_pressure_grid grid,
@@ -224,42 +282,10 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
       pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,
       __longlong_as_double((long long)control->largest));
   if (solve.max_iterations == 0) return;
-  const pressure_grid_part part = pressure_grid_part_of(grid, control->extent);
-  const uint32_t count = list_inside(a, part);
-  Lambda lambda(a, part);
-  double *now, *before;
-  lambda.begin(grid, a, &now, &before);
-  pressure_grid_equation kept[PRESSURE_GRID_KEPT];
-#pragma unroll
-  for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q) {
-    uint32_t k = threadIdx.x + q * PRESSURE_GRID_THREADS;
-    if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
-  }
+  pressure_grid_iterations<Lambda> iterations(grid, a);
   bool over = false;
-  for (int k = 0; k < solve.max_iterations && !over; ++k) {
-    bool misses = false;
-    auto go_on = [&](const pressure_grid_equation &e) {
-      uint32_t at = e.node - lambda.low();
-      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.inverse, at);
-      double next = pbf_pressure_grid_next(&solve, residual, e.inverse, now[at], before[at]);
-      misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve.enough;
-      before[at] = next;
-      lambda.hand_on(before, at, next);
-    };
-#pragma unroll
-    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q)
-      if (threadIdx.x + q * PRESSURE_GRID_THREADS < count) go_on(kept[q]);
-    for (uint32_t i = threadIdx.x + PRESSURE_GRID_KEPT * PRESSURE_GRID_THREADS; i < count;
-         i += PRESSURE_GRID_THREADS)
-      go_on(equation_of(grid, a, a.inside[part.first + i]));
-    if (Lambda::TORN) misses = relax_torn(grid, a, solve, now, before) || misses;
-    over = !lambda.meet(pbf_pressure_grid_asks(k), misses) && pbf_pressure_grid_asks(k);
-    pbf_pressure_grid_solve_go_on(&solve, k);
-    double *other = now;
-    now = before;
-    before = other;
-  }
-  lambda.end(a, now, count);
+  for (int k = 0; k < solve.max_iterations && !over; ++k) over = iterations.iterate(&solve, k);
+  iterations.lambda.end(a, iterations.now, iterations.count);
 }
 
 #endif

@@ -17,17 +17,20 @@ typedef struct pbf_pressure_grid_solve {
   double weight;       /* of the iteration */
 } pbf_pressure_grid_solve;
 
+/* Iterations for eigenvalues from `low` to `high`, of the matrix over its diagonal. */
+PBF_FN pbf_pressure_grid_solve pbf_pressure_grid_within(double low, double high) {
+  const double ratio = (high - low) / (high + low);
+  return (pbf_pressure_grid_solve){ratio * ratio, 2 / (high + low), 0, 0, 1};
+}
+
 /* `largest` is the largest right side; 0: there is nothing to do. So many iterations leave 4 % of
  * the longest wave, which fluid in motion takes all of them for. */
 PBF_FN pbf_pressure_grid_solve pbf_pressure_grid_solve_begin(int longest, double largest) {
-  pbf_pressure_grid_solve s;
-  double wave = 0.5 * PBF_PI / (longest + 1), low = 0.375 * wave * wave;
-  double ratio = (PBF_PRESSURE_GRID_HIGHEST - low) / (PBF_PRESSURE_GRID_HIGHEST + low);
-  s.ratio2 = ratio * ratio;
-  s.step = 2 / (PBF_PRESSURE_GRID_HIGHEST + low);
+  const double wave = 0.5 * PBF_PI / (longest + 1);
+  pbf_pressure_grid_solve s =
+      pbf_pressure_grid_within(0.375 * wave * wave, PBF_PRESSURE_GRID_HIGHEST);
   s.max_iterations = largest > 0 ? 8 + 4 * longest : 0;
   s.enough = 0.005 / longest * largest;
-  s.weight = 1;
   return s;
 }
 

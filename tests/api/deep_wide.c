@@ -1,0 +1,76 @@
+/* Deep water in a wide domain: its pressure grid has so many cells that backends may solve it in
+ * another way. What it does to the fluid is what the reference does, which iterates on one grid. */
+#include "deep_column.h"
+
+enum { WIDE = 100, DOMAIN = 240, DEEP = 24, THICK = 3, ALL = WIDE * DEEP * THICK };
+
+/* A dam that breaks, and a ball in it. */
+static pbf_solver *dam(const pbf_desc *desc, double tilt) {
+  pbf_params params = column_params(2);
+  pbf_collider ball;
+  params.domain_max[0] = spacing * DOMAIN;
+  params.domain_max[1] = spacing * 2 * DEEP;
+  params.domain_max[2] = spacing * THICK;
+  params.gravity[0] = tilt * gravity;
+  pbf_solver *s = block(desc, &params, WIDE, DEEP, 0, 0, 1);
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.position[0] = 1.3 * WIDE * spacing;
+  ball.radius = 7 * spacing;
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  return s;
+}
+
+/* Root mean square of the velocities, and of their differences from the other's. */
+static double difference(pbf_solver *s, pbf_solver *other, uint32_t dimension, uint32_t precision,
+                         double *speed) {
+  double sum = 0, square = 0;
+  uint32_t count = 0;
+  assert_ok(pbf_get_count(s, &count));
+  void *v = calloc((size_t)count * dimension, precision);
+  void *expected = calloc((size_t)count * dimension, precision);
+  assert_non_null(v);
+  assert_non_null(expected);
+  assert_ok(pbf_get_velocities(s, 0, count, v));
+  assert_ok(pbf_get_velocities(other, 0, count, expected));
+  for (uint64_t i = 0; i < (uint64_t)count * dimension; ++i) {
+    const double right = test_value(expected, i, precision);
+    sum += pow(test_value(v, i, precision) - right, 2);
+    square += right * right;
+  }
+  free(v);
+  free(expected);
+  *speed = sqrt(square / count);
+  return sqrt(sum / count);
+}
+
+static void check_tilt(uint32_t dimension, uint32_t precision, double tilt) {
+  pbf_desc desc = test_desc(dimension, precision, ALL), of_reference = desc;
+  of_reference.backend = "reference";
+  pbf_solver *s = dam(&desc, tilt), *reference = dam(&of_reference, tilt);
+  double speed = 0, away = 0;
+  assert_ok(pbf_step(s, 2));
+  assert_ok(pbf_step(reference, 2));
+  away = difference(s, reference, dimension, precision, &speed);
+  if (!(away < 0.005 * speed))
+    fail_msg("%uD, tilted by %g: velocities of %g are %g off", dimension, tilt, speed, away);
+  pbf_destroy(s);
+  pbf_destroy(reference);
+}
+
+static void check_dam(uint32_t dimension, uint32_t precision) {
+  check_tilt(dimension, precision, 0);
+  check_tilt(dimension, precision, 0.3);
+}
+
+static void wide_water_moves_as_in_the_reference(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_dam);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(wide_water_moves_as_in_the_reference),
+  };
+  return TEST_RUN(tests);
+}
