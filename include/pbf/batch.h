@@ -71,7 +71,9 @@ PBF_API pbf_status pbf_batch_get_sentence(pbf_batch *batch, uint32_t world, cons
 PBF_API pbf_status pbf_batch_step(pbf_batch *batch, const uint8_t *mask, uint32_t steps);
 
 /* What pbf_batch_reset goes back to: a state of pbf_save, of which the batch keeps one copy for all
- * these worlds; `state` null (and size 0): the present state of each, kept world by world. */
+ * these worlds; `state` null (and size 0): the present state of each, kept world by world. Where it
+ * fails, starts are what they were: PBF_ERROR_DATA for anything that pbf_save did not write, of
+ * another dimension or precision, PBF_ERROR_CAPACITY for more particles than a world holds. */
 PBF_API pbf_status pbf_batch_set_start(pbf_batch *batch, const uint8_t *mask, const void *state,
                                        uint64_t size);
 

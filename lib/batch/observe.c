@@ -1,9 +1,11 @@
 #include "observe.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 #include "error.h"
 #include "handles.h"
+#include "particles/values.h"
 #include "structs.h"
 #include "worlds.h"
 
@@ -75,14 +77,23 @@ static pbf_status read_world(pbf_batch *batch, uint32_t world, void *context) {
   return status;
 }
 
-/* What would reach from one world's rows into the next one's. */
+/* What would reach from one world's rows into the next one's, or farther than memory does. */
 static pbf_status check_world_stride(const reading *r, uint32_t element) {
+  static const uint64_t most = UINT64_C(1) << 48;
   const uint64_t least =
       r->desc.count == 0 ? 0 : (r->desc.count - 1) * r->desc.stride + r->row_bytes;
-  if (r->world_stride >= least && r->world_stride % element == 0) return PBF_OK;
+  if (r->world_stride >= least && r->world_stride % element == 0 && r->world_stride <= most)
+    return PBF_OK;
   return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "world_stride is %.0f; it must be a multiple of %u from %.0f up, or 0 for no gap",
-                  (double)r->world_stride, element, (double)least);
+                  "world_stride is %" PRIu64 "; it must be a multiple of %u from %" PRIu64
+                  " up to %" PRIu64 ", or 0 for no gap",
+                  r->world_stride, element, least, most);
+}
+
+/* Before the worlds', for rows that these lack are written, too. */
+static pbf_status check_layout(const reading *r, uint32_t element) {
+  if (r->desc.count == 0) return PBF_OK;
+  return pbf_values_check_layout("read", r->desc.data, r->desc.stride, r->row_bytes, element);
 }
 
 pbf_status pbf_batch_observe(pbf_batch *batch, const uint8_t *mask, const pbf_read_desc *theirs,
@@ -103,9 +114,9 @@ pbf_status pbf_batch_observe(pbf_batch *batch, const uint8_t *mask, const pbf_re
   if (r.desc.components > 4)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "read.components is %u; it must be at most 4",
                     r.desc.components);
-  if (r.desc.count > 0 && !r.desc.data)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "read.data is null");
   r.row_bytes = (uint64_t)components_of(batch, &r.desc) * element;
+  status = check_layout(&r, element);
+  if (status != PBF_OK) return status;
   if (!r.desc.stride) r.desc.stride = r.row_bytes;
   if (!r.world_stride) r.world_stride = r.desc.count * r.desc.stride;
   status = check_world_stride(&r, element);

@@ -1,9 +1,11 @@
 /* Steps of all worlds, and their starts. */
+#include <inttypes.h>
 #include <string.h>
 
 #include "error.h"
 #include "handles.h"
 #include "starts.h"
+#include "state/saved_state.h"
 #include "together.h"
 #include "worlds.h"
 
@@ -54,10 +56,11 @@ static pbf_status set_start(pbf_batch *batch, const uint8_t *mask, const void *s
                             uint64_t size) {
   pbf_start *start;
   if (!state && size > 0)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "state is null and size %.0f; it must be 0 then",
-                    (double)size);
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "state is null and size %" PRIu64 "; it must be 0 then", size);
   if (!state) return pbf_batch_for_worlds(batch, mask, PBF_BY_THREADS, keep_present, NULL);
-  pbf_status status = pbf_start_take(batch, size, &start);
+  pbf_status status = pbf_saved_state_check(batch->worlds[0].solver, state, size);
+  if (status == PBF_OK) status = pbf_start_take(batch, size, &start);
   if (status != PBF_OK) return status;
   memcpy(start->state, state, size);
   status = pbf_batch_for_worlds(batch, mask, PBF_BY_CALLER, share, start);

@@ -40,9 +40,9 @@ pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t 
   char name[16];
   if (stride != 0 && (stride < least || stride % element_size != 0 || stride > UINT32_MAX))
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.stride is %.0f; it must be a multiple of %u from %.0f up to 4294967295, or "
-                    "0 for no gap",
-                    call, (double)stride, element_size, (double)least);
+                    "%s.stride is %" PRIu64 "; it must be a multiple of %u from %" PRIu64
+                    " up to 4294967295, or 0 for no gap",
+                    call, stride, element_size, least);
   pbf_text_write(name, sizeof name, "%s.data", call);
   return pbf_values_check_pointer(name, data, element_size);
 }

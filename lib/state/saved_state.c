@@ -251,6 +251,11 @@ static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   return reject_by_check(status);
 }
 
+pbf_status pbf_saved_state_check(const pbf_solver *solver, const void *buffer, uint64_t size) {
+  pbf_saved_state in = {0};
+  return check_envelope(solver, buffer, size, &in);
+}
+
 pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t size,
                                 pbf_saved_state *in) {
   *in = (pbf_saved_state){0};

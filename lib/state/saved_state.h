@@ -28,6 +28,10 @@ typedef struct pbf_saved_state {
 pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t size,
                                 pbf_saved_state *in);
 
+/* The same as far as the size, the kind and the checksum tell it. What the state names, as shapes,
+ * may be made later. */
+pbf_status pbf_saved_state_check(const pbf_solver *solver, const void *buffer, uint64_t size);
+
 /* Whatever a solver is to own must be null in `in` by now. */
 void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in);
 

@@ -92,13 +92,41 @@ static void mistakes_have_sentences(void **state) {
                "world 0: it has no start to go back to");
   assert_fails(pbf_batch_set_start(batch, NULL, NULL, 8), PBF_ERROR_INVALID_ARGUMENT,
                "state is null and size 8");
-  assert_ok(pbf_batch_set_start(batch, NULL, "no state", 8));
-  assert_fails(pbf_batch_reset(batch, NULL), PBF_ERROR_DATA, "world 0: ");
   pbf_batch_destroy(batch);
   assert_fails(pbf_batch_step(batch, NULL, 1), PBF_ERROR_INVALID_ARGUMENT,
                "which pbf_batch_create did not give or pbf_batch_destroy has taken back");
   pbf_batch_destroy(batch);
   pbf_batch_destroy(NULL);
+}
+
+/* A start is lost neither by what is no state nor by a size that no memory has. */
+static void starts_outlive_what_is_no_state(void **state) {
+  (void)state;
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 2), flat = desc_for(2, PBF_FLOAT32, 1);
+  pbf_batch *batch = furnished(&desc), *other = furnished(&flat);
+  const uint64_t before = test_hash(world_of(batch, 3));
+  uint64_t size = 0, flat_size = 0;
+  assert_ok(pbf_save(world_of(batch, 3), NULL, &size));
+  assert_ok(pbf_save(world_of(other, 3), NULL, &flat_size));
+  char *saved = malloc(size), *plane = malloc(flat_size);
+  assert_ok(pbf_save(world_of(batch, 3), saved, &size));
+  assert_ok(pbf_save(world_of(other, 3), plane, &flat_size));
+  assert_ok(pbf_batch_set_start(batch, NULL, saved, size));
+  assert_ok(pbf_batch_step(batch, NULL, 2));
+  assert_fails(pbf_batch_set_start(batch, NULL, "no state", 8), PBF_ERROR_DATA, "is cut short");
+  assert_fails(pbf_batch_set_start(batch, NULL, saved, 0), PBF_ERROR_DATA, "is cut short");
+  assert_fails(pbf_batch_set_start(batch, NULL, saved, size - 1), PBF_ERROR_DATA, "is cut short");
+  assert_fails(pbf_batch_set_start(batch, NULL, saved, UINT64_MAX), PBF_ERROR_DATA, "is cut short");
+  assert_fails(pbf_batch_set_start(batch, NULL, plane, flat_size), PBF_ERROR_DATA,
+               "the saved state is 2D");
+  saved[size / 2] ^= 1;
+  assert_fails(pbf_batch_set_start(batch, NULL, saved, size), PBF_ERROR_DATA, "is damaged");
+  assert_ok(pbf_batch_reset(batch, NULL));
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_true(test_hash(world_of(batch, k)) == before);
+  free(saved);
+  free(plane);
+  pbf_batch_destroy(other);
+  pbf_batch_destroy(batch);
 }
 
 static void wrong_actions_have_sentences(void **state) {
@@ -130,6 +158,31 @@ static void wrong_actions_have_sentences(void **state) {
   counts[3] = CAPACITY;
   assert_fails(pbf_batch_add_particles(batch, counts, x, NULL), PBF_ERROR_CAPACITY,
                "world 3: count is 64");
+  pbf_batch_destroy(batch);
+}
+
+/* What a world lacks is written as 0: by a layout that is checked before. */
+static void rows_that_worlds_lack_are_checked(void **state) {
+  (void)state;
+  const pbf_desc desc = desc_for(3, PBF_FLOAT32, 1);
+  pbf_batch *batch = batch_of(&desc, WORLDS);
+  float x[WORLDS][2][3];
+  memset(x, 0x7f, sizeof x);
+  pbf_read_desc read = {
+      .struct_size = sizeof read, .field = PBF_FIELD_POSITION, .count = 2, .data = x};
+  static const uint64_t strides[] = {4, 14, UINT64_C(1) << 33, UINT64_C(1) << 63};
+  for (int k = 0; k < 4; ++k) {
+    read.stride = strides[k];
+    assert_fails(pbf_batch_read(batch, NULL, &read, 0), PBF_ERROR_INVALID_ARGUMENT,
+                 "read.stride is ");
+  }
+  read.stride = 0;
+  assert_fails(pbf_batch_read(batch, NULL, &read, UINT64_C(1) << 61), PBF_ERROR_INVALID_ARGUMENT,
+               "world_stride is 2305843009213693952; it must be a multiple of 4 from 24 up to "
+               "281474976710656");
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_true(x[k][1][2] > 1e38F);
+  assert_ok(pbf_batch_read(batch, NULL, &read, 0));
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_true(x[k][1][2] == 0);
   pbf_batch_destroy(batch);
 }
 
@@ -466,7 +519,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(others_go_on),
       cmocka_unit_test(mistakes_have_sentences),
+      cmocka_unit_test(starts_outlive_what_is_no_state),
       cmocka_unit_test(wrong_actions_have_sentences),
+      cmocka_unit_test(rows_that_worlds_lack_are_checked),
       cmocka_unit_test(wrong_observations_have_sentences),
       cmocka_unit_test(worlds_are_the_batchs),
       cmocka_unit_test(all_worlds_fall_back),
