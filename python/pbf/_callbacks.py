@@ -59,6 +59,8 @@ class Callbacks:
             raise error
 
 
-def destroy(handle: Any, callbacks: Callbacks) -> None:
+def destroy(place: Any, callbacks: Callbacks) -> None:
+    """Of what pbf_create has put there, if it has."""
+    handle, place[0] = place[0], ffi.NULL
     lib.pbf_destroy(handle)
     callbacks.drop()

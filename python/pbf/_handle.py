@@ -61,12 +61,17 @@ class Handle(Owned, ParamFields):
         struct, kept = desc_struct(desc, stream, callbacks)
         first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)
-        made = ffi.new("pbf_solver **")
-        check(lib.pbf_create(struct, first, made))
+        self._place = made = ffi.new("pbf_solver **")
+        self._finalizer = self._own(made, callbacks)
+        try:
+            check(lib.pbf_create(struct, first, made))
+            callbacks.reraise()
+        except BaseException:
+            self._finalizer()
+            raise
         del kept
         self._stream = stream
-        self._adopt(made[0], desc, callbacks)
-        callbacks.reraise()
+        self._take(made[0], desc, callbacks)
 
     def _take(self, handle: Any, desc: dict[str, Any], callbacks: Callbacks) -> None:
         self._handle, self._desc, self._callbacks = handle, desc, callbacks
@@ -74,10 +79,18 @@ class Handle(Owned, ParamFields):
         self._keeps_previous = False
         self._batch: Any = None
 
-    def _adopt(self, handle: Any, desc: dict[str, Any], callbacks: Callbacks) -> None:
-        self._take(handle, desc, callbacks)
-        # At the interpreter's exit, too, while its threads may still log.
-        self._finalizer = weakref.finalize(self, destroy, handle, callbacks)
+    def _own(self, place: Any, callbacks: Callbacks) -> Any:
+        """Before a solver is there: it is freed whatever interrupts the call that makes it. At the
+        interpreter's exit, too, while its threads may still log."""
+        return weakref.finalize(self, destroy, place, callbacks)
+
+    def _become(self, other: Handle) -> None:
+        """Has the solver of another one, which has none then; an interrupt finds either, whole."""
+        old, new = self._finalizer, self._own(other._place, other._callbacks)
+        other._finalizer.detach()
+        names = ("_handle", "_desc", "_callbacks", "_told", "_snapshots", "_keeps_previous", "_place")
+        vars(self).update({name: vars(other)[name] for name in names}, _finalizer=new)
+        old()
 
     def synchronize(self) -> None:
         """Waits for a GPU; raises what a step met after the call had returned."""

@@ -60,15 +60,11 @@ class State(Reading):
                              lib.PBF_ERROR_STATE)
         state, snapshots, keeps = self.save(), self._snapshots, self._keeps_previous
         desc = {**self._desc, "capacity": uint32("capacity", capacity)}
-        old = self._finalizer
         larger = type(self).__new__(type(self))
         larger._create(desc, self._stream, self._callbacks.log, self.params, {})
         larger.load(state)
-        larger._finalizer.detach()
-        self._adopt(larger._handle, desc, larger._callbacks)
-        self._told = larger._told
-        old()
-        self._keep(snapshots, keeps)
+        larger._keep(snapshots, keeps)
+        self._become(larger)
 
     def _keep(self, snapshots: int, previous: bool) -> None:
         if snapshots:

@@ -26,35 +26,42 @@ class Steps(Handle):
             self._call(lib.pbf_step, steps)
 
     def _step_interruptibly(self, steps: int) -> None:
-        """The library's own thread runs the steps, another waits for them in C, and this one where
-        Python's signal handlers run."""
+        """The library's own thread runs the steps, another begins and ends them in C, which no
+        interrupt can come between, and this one waits where Python's signal handlers run."""
         failures: list[Error] = []
-        handle, ended = self.handle, threading.Event()
+        handle, gate = self.handle, threading.Lock()
+        begun, given_up, ended = threading.Event(), threading.Event(), threading.Event()
 
-        def wait() -> None:
-            status = lib.pbf_end_step(handle)
+        def work() -> None:
+            with gate:
+                if given_up.is_set():
+                    return
+                begun.set()
+                status = lib.pbf_begin_step(handle, steps)
+            if not status:
+                status = lib.pbf_end_step(handle)
             if status:
                 failures.append(last_error(status))
             ended.set()
 
-        waiter = threading.Thread(target=wait, name="pbf-step", daemon=True)
-        self._call(lib.pbf_begin_step, steps)
         try:
-            waiter.start()
+            threading.Thread(target=work, name="pbf-step", daemon=True).start()
             ended.wait()  # Thread.join takes a thread that it is interrupted in for ended
         except BaseException:
-            lib.pbf_cancel(handle)
-            if waiter.ident is None:  # it could not be started
-                wait()
-            ended.wait()
+            given_up.set()
+            with gate:
+                lib.pbf_cancel(handle)
+            if begun.is_set():
+                ended.wait()
             raise
         if failures:
             raise failures[0]
         self._callbacks.reraise()
 
     def begin_step(self, steps: int = 1) -> None:
-        """Has steps run beside what this thread does next; `end_step` waits for them."""
-        self._call(lib.pbf_begin_step, uint32("steps", steps))
+        """Has steps run beside what this thread does next; `end_step` waits for them, and raises
+        what the log has raised in them."""
+        check(lib.pbf_begin_step(self.handle, uint32("steps", steps)))
 
     def end_step(self) -> None:
         self._call(lib.pbf_end_step)
@@ -62,14 +69,17 @@ class Steps(Handle):
     @contextmanager
     def stepping(self, steps: int = 1) -> Iterator[None]:
         """Steps that run beside a `with` block, and have ended after it."""
-        self.begin_step(steps)
+        begun = False
         try:
+            self.begin_step(steps)
+            begun = True
             yield
-        except BaseException:
-            self.cancel()
-            lib.pbf_end_step(self.handle)
+            self.end_step()
+        except BaseException as error:
+            if begun or not isinstance(error, Error):  # an interrupt may come after the begin
+                self.cancel()
+                lib.pbf_end_step(self.handle)
             raise
-        self.end_step()
 
     def cancel(self) -> None:
         """Has the call of steps that is inside the solver raise `CancelledError`; from any thread."""

@@ -21,7 +21,7 @@ from ._state import state_of
 from .colliders import Collider, struct_array
 from .params import Params
 from .solver import PathLike, Solver
-from .views import capsule_of, dtype_of
+from .views import capsule_of, dtype_of, place_for_tensor
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -29,9 +29,10 @@ if TYPE_CHECKING:
     from ._param_fields import ParamValues
 
 
-def _destroy(handle: Any, callbacks: Callbacks, worlds: Any) -> None:
+def _destroy(place: Any, callbacks: Callbacks, worlds: Any) -> None:
     for world in list(worlds.values()):
         world._finalizer.detach()
+    handle, place[0] = place[0], ffi.NULL
     lib.pbf_batch_destroy(handle)
     callbacks.drop()
 
@@ -40,23 +41,19 @@ def _leave(handle: Any, callbacks: Callbacks) -> None:
     """What closing a world does, which ends with its batch."""
 
 
-def _delete(tensor: Any) -> None:
-    tensor.deleter(tensor)
-
-
 class BatchTensor:
     """One field of all worlds at one time, of shape (worlds, rows, components), in memory of its own:
     for `torch.from_dlpack(…)` and its like, or as `array`."""
 
-    def __init__(self, managed: Any, callbacks: Callbacks) -> None:
+    def __init__(self, place: Any, callbacks: Callbacks) -> None:
         self._callbacks = callbacks
-        self._managed = ffi.gc(managed, _delete)
+        self._place = place
         self._taken = self._shown = False
 
     def _held(self) -> Any:
         if self._taken:
             raise BufferError("this tensor has been taken by another array")
-        return self._managed.dl_tensor
+        return self._place[0].dl_tensor
 
     @property
     def array(self) -> NDArray[Any]:
@@ -83,8 +80,7 @@ class BatchTensor:
         if copy or self._shown:  # arrays of it must not lose their memory to another owner
             return np.array(self.array).__dlpack__()
         self._taken = True
-        ffi.gc(self._managed, None)
-        return capsule_of(self._managed)
+        return capsule_of(self._place)
 
 
 class Batch(Owned):
@@ -145,13 +141,17 @@ class Batch(Owned):
         first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)
         made = ffi.new("pbf_batch **")
-        check(lib.pbf_batch_create(struct, first, worlds, made))
+        self._worlds: Any = weakref.WeakValueDictionary()
+        self._finalizer = weakref.finalize(self, _destroy, made, callbacks, self._worlds)
+        try:
+            check(lib.pbf_batch_create(struct, first, worlds, made))
+            callbacks.reraise()
+        except BaseException:
+            self._finalizer()
+            raise
         del kept
         self._handle, self._desc, self._callbacks = made[0], desc, callbacks
         self._count = worlds
-        self._worlds: Any = weakref.WeakValueDictionary()
-        self._finalizer = weakref.finalize(self, _destroy, made[0], callbacks, self._worlds)
-        callbacks.reraise()
 
     # ---- Worlds --------------------------------------------------------------------------------
 
@@ -415,7 +415,7 @@ class Batch(Owned):
 
     def tensor(self, field: str = "position", rows: int | None = None) -> BatchTensor:
         """The same for PyTorch, JAX and others, in memory that the tensor takes along."""
-        tensor = ffi.new("struct DLManagedTensor **")
+        place = place_for_tensor()
         self._call(lib.pbf_batch_export_dlpack, choice("field", field, FIELDS),
-                   0 if rows is None else uint32("rows", rows), tensor)
-        return BatchTensor(tensor[0], self._callbacks)
+                   0 if rows is None else uint32("rows", rows), place)
+        return BatchTensor(place, self._callbacks)

@@ -35,16 +35,29 @@ def _free_capsule(capsule: int) -> None:
         _delete(ffi.cast("DLManagedTensor *", _PyCapsule_GetPointer(capsule, b"dltensor")))
 
 
-def capsule_of(tensor: Any) -> Any:
-    """Which the consumer empties, or which frees the tensor."""
-    address = int(ffi.cast("uintptr_t", tensor))
-    return _PyCapsule_New(address, b"dltensor", ctypes.cast(_free_capsule, ctypes.c_void_p))
+def _delete_held(place: Any) -> None:
+    tensor, place[0] = place[0], ffi.NULL
+    if tensor:
+        tensor.deleter(tensor)
+
+
+def place_for_tensor() -> Any:
+    """Where a call puts a tensor, which ends with it: from the call on, whatever interrupts it."""
+    return ffi.gc(ffi.new("struct DLManagedTensor **"), _delete_held)
+
+
+def capsule_of(place: Any) -> Any:
+    """Which takes the tensor out of its place, and which the consumer empties, or which frees it."""
+    address = int(ffi.cast("uintptr_t", place[0]))
+    free = ctypes.cast(_free_capsule, ctypes.c_void_p)
+    place[0] = ffi.NULL
+    return _PyCapsule_New(address, b"dltensor", free)
 
 
 def _export(solver: Handle, field: int) -> Any:
-    tensor = ffi.new("struct DLManagedTensor **")
-    check(lib.pbf_export_dlpack(solver.handle, field, tensor))
-    return tensor[0]
+    place = place_for_tensor()
+    check(lib.pbf_export_dlpack(solver.handle, field, place))
+    return place
 
 
 def dtype_of(tensor: Any) -> np.dtype[Any]:
@@ -56,7 +69,8 @@ class _Exported:
 
     def __init__(self, solver: Handle, field: int) -> None:
         self._callbacks = solver._callbacks
-        self.managed = ffi.gc(_export(solver, field), _delete)
+        self._place = _export(solver, field)
+        self.managed = self._place[0]
 
     @property
     def device(self) -> tuple[int, int]:
@@ -165,9 +179,8 @@ class _Held:
 
     def __init__(self, solver: Handle) -> None:
         self._callbacks = solver._callbacks
-        struct = new_struct("pbf_snapshot")
-        check(lib.pbf_acquire_snapshot(solver.handle, struct))
-        self.struct = ffi.gc(struct, lib.pbf_release_snapshot)
+        self.struct = ffi.gc(new_struct("pbf_snapshot"), lib.pbf_release_snapshot)
+        check(lib.pbf_acquire_snapshot(solver.handle, self.struct))
 
 
 class Snapshot:
