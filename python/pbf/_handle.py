@@ -61,7 +61,7 @@ class Handle(Owned, ParamFields):
         struct, kept = desc_struct(desc, stream, callbacks)
         first = parameters.defaults() if params is None else params_struct(params)
         parameters.write(first, values, struct.dimension)
-        self._place = made = ffi.new("pbf_solver **")
+        self._made = made = ffi.new("pbf_solver **")
         self._finalizer = self._own(made, callbacks)
         try:
             check(lib.pbf_create(struct, first, made))
@@ -86,9 +86,9 @@ class Handle(Owned, ParamFields):
 
     def _become(self, other: Handle) -> None:
         """Has the solver of another one, which has none then; an interrupt finds either, whole."""
-        old, new = self._finalizer, self._own(other._place, other._callbacks)
+        old, new = self._finalizer, self._own(other._made, other._callbacks)
         other._finalizer.detach()
-        names = ("_handle", "_desc", "_callbacks", "_told", "_snapshots", "_keeps_previous", "_place")
+        names = ("_handle", "_desc", "_callbacks", "_told", "_snapshots", "_keeps_previous", "_made")
         vars(self).update({name: vars(other)[name] for name in names}, _finalizer=new)
         old()
 
