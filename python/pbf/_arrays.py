@@ -38,19 +38,52 @@ def numpy_of(name: str, array: AnyArray) -> NDArray[Any]:
     if isinstance(array, np.ndarray):
         return array
     if hasattr(array, "__dlpack__") and hasattr(array, "__dlpack_device__"):
-        found: Any = array
-        if found.__dlpack_device__()[0] != CPU or getattr(found, "requires_grad", False):
-            found = _on_host(found)
-        if not isinstance(found, np.ndarray) and found.__dlpack_device__()[0] == CPU:
-            try:
-                return np.from_dlpack(found)
-            except BufferError:
-                pass
-        array = found
+        try:
+            array = _by_dlpack(array)
+        except Exception as error:
+            raise _not_made(name, error) from error
     try:
         return np.asarray(array)
     except Exception as error:
-        raise InvalidArgumentError(f"{name} can't be made a NumPy array: {error}") from error
+        raise _not_made(name, error) from error
+
+
+def _not_made(name: str, error: Exception) -> InvalidArgumentError:
+    return InvalidArgumentError(
+        f"{name} can't be made a NumPy array: {type(error).__name__}: {error}")
+
+
+def _by_dlpack(array: Any) -> Any:
+    """NumPy's in host memory, or what NumPy may make one of by other ways."""
+    if array.__dlpack_device__()[0] != CPU or getattr(array, "requires_grad", False):
+        array = _on_host(array)
+    if isinstance(array, np.ndarray) or array.__dlpack_device__()[0] != CPU:
+        return array
+    try:
+        return np.from_dlpack(array)
+    except BufferError:
+        return array
+
+
+def host_memory_of(name: str, array: Any) -> NDArray[Any]:
+    """An array in host memory that can be written to, not a copy."""
+    if isinstance(array, np.ndarray):
+        return array
+    try:
+        device = getattr(array, "__dlpack_device__", lambda: (None,))()[0]
+        if device == CPU:
+            return np.from_dlpack(array)
+    except Exception as error:
+        raise _not_made(name, error) from error
+    raise InvalidArgumentError(
+        f"{name} is a {type(array).__name__}; it must be an array in host memory, or one with "
+        "__cuda_array_interface__")
+
+
+def real_numbers(name: str, array: NDArray[Any]) -> NDArray[Any]:
+    if array.dtype.kind not in "fiu":
+        raise InvalidArgumentError(f"{name} holds {array.dtype}; it must hold real numbers")
+    return array
 
 
 def rows_of(name: str, array: AnyArray, dimension: int, dtype: DTypeLike) -> NDArray[Any]:
@@ -61,9 +94,7 @@ def rows_of(name: str, array: AnyArray, dimension: int, dtype: DTypeLike) -> NDA
     if given.ndim != 2 or given.shape[1] != dimension:
         raise InvalidArgumentError(
             f"{name} has the shape {given.shape}; this solver wants (count, {dimension})")
-    if given.dtype.kind not in "fiu":
-        raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold real numbers")
-    return np.ascontiguousarray(given, dtype)
+    return np.ascontiguousarray(real_numbers(name, given), dtype)
 
 
 def ids_of(ids: AnyArray) -> NDArray[np.uint32]:

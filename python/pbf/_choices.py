@@ -8,6 +8,7 @@ import numpy as np
 
 from ._errors import InvalidArgumentError
 from ._library import ffi, lib
+from ._numbers import shown
 
 PRECISIONS = {"float32": lib.PBF_FLOAT32, "float64": lib.PBF_FLOAT64}
 FIELDS = {
@@ -21,9 +22,9 @@ TYPES = {"float32": lib.PBF_TYPE_FLOAT32, "float64": lib.PBF_TYPE_FLOAT64,
 
 
 def choice(name: str, value: str, known: Mapping[str, int]) -> int:
-    if value not in known:
+    if not isinstance(value, str) or value not in known:
         listed = ", ".join(f'"{each}"' for each in known)
-        raise InvalidArgumentError(f'{name} is {value!r}; it must be one of {listed}')
+        raise InvalidArgumentError(f'{name} is {shown(value)}; it must be one of {listed}')
     return known[value]
 
 
@@ -48,7 +49,10 @@ def chars(name: str, value: Any) -> Any:
     if value is None:
         return ffi.NULL
     if not isinstance(value, str):
-        raise InvalidArgumentError(f"{name} is {value!r}; it must be a string")
+        raise InvalidArgumentError(f"{name} is {shown(value)}; it must be a string")
     if "\0" in value:
         raise InvalidArgumentError(f"{name} is {value!r}; a zero would end it")
-    return ffi.new("char[]", value.encode())
+    try:
+        return ffi.new("char[]", value.encode())
+    except UnicodeEncodeError as error:
+        raise InvalidArgumentError(f"{name} is {shown(value)}: {error}") from None

@@ -1,6 +1,8 @@
 """Arrays in the memory of a GPU, by the interface that PyTorch, CuPy, Numba and others have."""
 from __future__ import annotations
 
+import math
+import operator
 import sys
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
@@ -9,6 +11,7 @@ import numpy as np
 
 from ._errors import InvalidArgumentError
 from ._library import ffi
+from ._numbers import ADDRESS_MAX, integer, shown
 
 LEGACY_DEFAULT = 1  # CUDA's handle of the default stream; 0 would be none
 
@@ -48,38 +51,66 @@ def _current_stream(array: Any, interface: Mapping[str, Any]) -> int:
     torch = sys.modules.get("torch")
     if stream is None and torch is not None and isinstance(array, torch.Tensor):
         stream = torch.cuda.current_stream(array.device).cuda_stream
-    return int(stream or LEGACY_DEFAULT)
+    return integer("stream", 0 if stream is None else stream, ADDRESS_MAX) or LEGACY_DEFAULT
 
 
 def stream_handle(stream: Any) -> int:
     """A handle as an integer: PyTorch's streams and CuPy's have one."""
+    found = stream
     for name in ("cuda_stream", "ptr", "handle"):
-        stream = getattr(stream, name, stream)
+        found = getattr(found, name, found)
     try:
-        return int(stream) or LEGACY_DEFAULT
-    except (TypeError, ValueError):
+        return integer("stream", found, ADDRESS_MAX) or LEGACY_DEFAULT
+    except InvalidArgumentError:
         raise InvalidArgumentError(
-            f"stream is {stream!r}; it must be a cudaStream_t as an integer, or a stream of PyTorch "
-            "or CuPy") from None
+            f"stream is {shown(stream)}; it must be a cudaStream_t as an integer, or a stream of "
+            "PyTorch or CuPy") from None
+
+
+def _numbers(name: str, given: Any, least: int) -> tuple[int, ...]:
+    found = tuple(operator.index(number) for number in given)
+    if not all(least <= number < 2**63 for number in found):
+        raise ValueError(f"{name} is {shown(found)}")
+    return found
+
+
+def _layout(interface: Mapping[str, Any]) -> tuple[np.dtype[Any], tuple[int, ...], tuple[int, ...]]:
+    dtype, shape = np.dtype(str(interface["typestr"])), _numbers("shape", interface["shape"], 0)
+    if interface.get("mask") is not None:
+        raise ValueError("some of its numbers are masked")
+    given = interface.get("strides")
+    if given is None:
+        return dtype, shape, tuple(
+            dtype.itemsize * math.prod(shape[k + 1:]) for k in range(len(shape)))
+    strides = _numbers("strides", given, -2**63)
+    if len(strides) != len(shape):
+        raise ValueError(f"strides is {shown(given)} and shape {shown(shape)}")
+    return dtype, shape, strides
+
+
+def _described(array: Any, interface: Mapping[str, Any], stream: Any) -> DeviceArray:
+    dtype, shape, strides = _layout(interface)
+    data, readonly = interface["data"]
+    used = _current_stream(array, interface) if stream is None else stream_handle(stream)
+    return DeviceArray(integer("data", data or 0, ADDRESS_MAX), shape, strides, dtype, not readonly,
+                       used)
 
 
 def device_array_of(name: str, array: Any, stream: Any = None) -> DeviceArray | None:
-    """None of an array in host memory."""
+    """None of an array in host memory. Whatever an object says of itself may be wrong."""
     try:
         interface = getattr(array, "__cuda_array_interface__", None)
-    except (AttributeError, RuntimeError, TypeError) as error:
-        raise InvalidArgumentError(f"{name} can't be used on a GPU: {error}") from error
-    if interface is None:
-        if stream is not None:
-            raise InvalidArgumentError(f"stream is given, and {name} is not on a GPU")
-        return None
-    dtype, shape = np.dtype(interface["typestr"]), tuple(interface["shape"])
-    strides = interface.get("strides")
-    if strides is None:
-        strides = tuple(dtype.itemsize * int(np.prod(shape[k + 1:])) for k in range(len(shape)))
-    data, readonly = interface["data"]
-    used = _current_stream(array, interface) if stream is None else stream_handle(stream)
-    return DeviceArray(int(data or 0), shape, tuple(strides), dtype, not readonly, used)
+        if interface is not None:
+            return _described(array, interface, stream)
+    except InvalidArgumentError:
+        raise
+    except Exception as error:
+        raise InvalidArgumentError(
+            f"{name} can't be used on a GPU, by what its __cuda_array_interface__ says: "
+            f"{type(error).__name__}: {error}") from error
+    if stream is not None:
+        raise InvalidArgumentError(f"stream is given, and {name} is not on a GPU")
+    return None
 
 
 def place(struct: Any, array: DeviceArray, device_type: int) -> None:

@@ -12,7 +12,7 @@ from ._callbacks import Callbacks, Log, Told, destroy
 from ._choices import PRECISIONS, chars, precision_of
 from ._errors import Error, InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
-from ._numbers import uint32
+from ._numbers import ADDRESS_MAX, integer, uint32
 from ._owned import Owned
 from ._param_fields import ParamFields
 from .params import Params
@@ -35,7 +35,7 @@ def desc_struct(desc: Mapping[str, Any], stream: int, callbacks: Callbacks) -> t
     struct.strict = bool(desc["strict"])
     struct.backend = backend = chars("backend", desc["backend"])
     struct.isa = isa = chars("isa", desc["isa"])
-    struct.stream = ffi.cast("void *", stream)
+    struct.stream = ffi.cast("void *", integer("stream", stream, ADDRESS_MAX))
     struct.log = callbacks.function
     return struct, (backend, isa)
 

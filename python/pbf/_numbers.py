@@ -14,26 +14,40 @@ Vector = Union[Sequence[float], NDArray[Any]]
 """A number an axis."""
 
 UINT32_MAX = 2**32 - 1
+ADDRESS_MAX = 2**64 - 1
 
 
-def uint32(name: str, value: Any) -> int:
+def shown(value: Any) -> str:
+    """In a sentence, however long it is: Python does not write integers of 5,000 digits."""
+    try:
+        text = repr(value)
+    except Exception:
+        return f"{type(value).__name__} that can't be written"
+    return text if len(text) <= 100 else f"{text[:97]}…"
+
+
+def integer(name: str, value: Any, most: int) -> int:
     try:
         number = operator.index(value)
     except TypeError:
         raise InvalidArgumentError(
-            f"{name} is {value!r}; it must be an integer, 0 … {UINT32_MAX}") from None
-    if not 0 <= number <= UINT32_MAX:
-        raise InvalidArgumentError(f"{name} is {number}; it must be 0 … {UINT32_MAX}")
+            f"{name} is {shown(value)}; it must be an integer, 0 … {most}") from None
+    if not 0 <= number <= most:
+        raise InvalidArgumentError(f"{name} is {shown(number)}; it must be 0 … {most}")
     return number
+
+
+def uint32(name: str, value: Any) -> int:
+    return integer(name, value, UINT32_MAX)
 
 
 def real(name: str, value: Any) -> float:
     if isinstance(value, numbers.Real) or hasattr(value, "__float__"):
         try:
             return float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             pass
-    raise InvalidArgumentError(f"{name} is {value!r}; it must be a number")
+    raise InvalidArgumentError(f"{name} is {shown(value)}; it must be a number")
 
 
 def reals(name: str, value: Any, lengths: tuple[int, ...]) -> list[float]:
@@ -44,5 +58,5 @@ def reals(name: str, value: Any, lengths: tuple[int, ...]) -> list[float]:
         items = []
     if isinstance(value, str) or len(items) not in lengths:
         wanted = " or ".join(str(length) for length in lengths)
-        raise InvalidArgumentError(f"{name} is {value!r}; it must be a list of {wanted} numbers")
+        raise InvalidArgumentError(f"{name} is {shown(value)}; it must be a list of {wanted} numbers")
     return [real(f"{name}[{i}]", item) for i, item in enumerate(items)]

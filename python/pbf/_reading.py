@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from ._arrays import CPU, AnyArray, numpy_of, pointer
+from ._arrays import AnyArray, host_memory_of, numpy_of, pointer, real_numbers
 from ._choices import FIELDS, ORDERS, W, choice, element_type
 from ._device import DeviceArray, SupportsCuda, device_array_of, place
 from ._errors import InvalidArgumentError, StateError
@@ -83,7 +83,7 @@ class Reading(Handle):
         """The caller's array, how many rows of it are written to, and how many numbers of each."""
         array: NDArray[Any] | DeviceArray | None = device_array_of("out", out, stream)
         if array is None:
-            array = self._host_array(out)
+            array = host_memory_of("out", out)
         writeable = array.writeable if isinstance(array, DeviceArray) else array.flags.writeable
         if not writeable or array.ndim not in (1, 2):
             raise InvalidArgumentError(
@@ -96,17 +96,6 @@ class Reading(Handle):
             raise InvalidArgumentError(
                 f"out has the shape {array.shape}: too small for {count} rows of {components}")
         return array, uint32("count", count), components or width
-
-    @staticmethod
-    def _host_array(out: Any) -> NDArray[Any]:
-        if isinstance(out, np.ndarray):
-            return out
-        device = getattr(out, "__dlpack_device__", lambda: None)()
-        if device is None or device[0] != CPU:
-            raise InvalidArgumentError(
-                f"out is a {type(out).__name__}; it must be an array in host memory, or one with "
-                "__cuda_array_interface__")
-        return np.from_dlpack(out)
 
     @staticmethod
     def _check_rows_of(name: str, array: NDArray[Any] | DeviceArray) -> int:
@@ -132,7 +121,7 @@ class Reading(Handle):
         struct.first = uint32("first", first)
         found: NDArray[Any] | DeviceArray | None = device_array_of("array", array, stream)
         if found is None:
-            given = numpy_of("array", array)
+            given = real_numbers("array", numpy_of("array", array))
             own = given.dtype.name in ("float32", "float64") and given.dtype.isnative
             found = given if own else given.astype(self.dtype)
         if found.ndim != 2 or not self.dimension <= found.shape[1] <= 4:

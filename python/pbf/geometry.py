@@ -9,18 +9,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _files
-from ._arrays import AnyArray, numpy_of, pointer
+from ._arrays import AnyArray, numpy_of, pointer, real_numbers
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
-from ._numbers import Vector, real, reals
+from ._numbers import UINT32_MAX, Vector, real, reals
 from ._state import PathLike, state_of
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+def _dimension_of(name: str, points: AnyArray) -> int:
+    shape = numpy_of(name, points).shape
+    if len(shape) != 2 or shape[1] not in (2, 3):
+        raise InvalidArgumentError(f"{name} has the shape {shape}; it must be (count, 2 or 3)")
+    return int(shape[1])
+
+
+def _corners(name: str, faces: AnyArray, columns: int) -> NDArray[Any]:
+    """Numbers of vertices, of which a cast would make others."""
+    given = real_numbers(name, numpy_of(name, faces))
+    if given.size and (given.dtype.kind == "f" or not 0 <= given.min() <= given.max() <= UINT32_MAX):
+        raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold integers, 0 … {UINT32_MAX}")
+    return _contiguous(name, given, np.uint32, columns)
+
+
 def _contiguous(name: str, array: AnyArray, dtype: Any, columns: int | None) -> NDArray[Any]:
-    given = np.ascontiguousarray(numpy_of(name, array), dtype=dtype)
+    given = np.ascontiguousarray(real_numbers(name, numpy_of(name, array)), dtype=dtype)
     if columns is not None and (given.ndim != 2 or given.shape[1] != columns):
         raise InvalidArgumentError(
             f"{name} has the shape {given.shape}; it must be (count, {columns})")
@@ -43,7 +58,7 @@ class Geometry:
     @classmethod
     def from_grid(cls, values: AnyArray, origin: Vector, cell: float) -> Self:
         """Of distances values[i, j, k] at origin + cell (i, j, k), negative inside."""
-        given = numpy_of("values", values)
+        given = real_numbers("values", numpy_of("values", values))
         if given.ndim not in (2, 3):
             raise InvalidArgumentError(f"values has {given.ndim} axes; it must be 2 or 3")
         packed = np.asfortranarray(given, dtype=np.float32)
@@ -64,11 +79,9 @@ class Geometry:
             if not hasattr(mesh, "faces"):
                 raise InvalidArgumentError("faces is missing, and mesh has none of its own")
             mesh, faces = mesh.vertices, mesh.faces
-        dimension = numpy_of("vertices", mesh).shape[-1]
-        if dimension not in (2, 3):
-            raise InvalidArgumentError(f"vertices have {dimension} coordinates; it must be 2 or 3")
+        dimension = _dimension_of("vertices", mesh)
         points = _contiguous("vertices", mesh, np.float64, dimension)
-        corners = _contiguous("faces", faces, np.uint32, dimension)
+        corners = _corners("faces", faces, dimension)
         desc = new_struct("pbf_mesh_desc")
         desc.dimension, desc.vertex_count, desc.face_count = dimension, len(points), len(corners)
         desc.vertices = ffi.cast("const double *", pointer(points))
@@ -80,7 +93,7 @@ class Geometry:
     def from_heights(cls, heights: AnyArray, *, spacing: float, base: float, cell: float) -> Self:
         """A terrain: heights[i, j] is the y above (i, j) spacing along x and z, in 2D heights[i];
         solid down to `base`."""
-        given = numpy_of("heights", heights)
+        given = real_numbers("heights", numpy_of("heights", heights))
         if given.ndim not in (1, 2):
             raise InvalidArgumentError(f"heights has {given.ndim} axes; it must be 1 or 2")
         packed = np.asfortranarray(given, dtype=np.float64)
@@ -96,9 +109,7 @@ class Geometry:
     @classmethod
     def from_points(cls, points: AnyArray, *, cell: float) -> Self:
         """The convex hull of points, shape (count, dimension)."""
-        dimension = numpy_of("points", points).shape[-1]
-        if dimension not in (2, 3):
-            raise InvalidArgumentError(f"points have {dimension} coordinates; it must be 2 or 3")
+        dimension = _dimension_of("points", points)
         packed = _contiguous("points", points, np.float64, dimension)
         desc = new_struct("pbf_hull_desc")
         desc.dimension, desc.point_count = dimension, len(packed)

@@ -253,3 +253,75 @@ def test_arrays_on_a_gpu_want_a_solver_there(make):
         fluid.read("position", OnGpu((2, 3), readonly=True))
     with pytest.raises(pbf.InvalidArgumentError, match="stream is"):
         fluid.write("velocity", OnGpu((2, 3)), stream="mine")
+
+
+class Liar:
+    """What says of itself what can't be."""
+
+    def __init__(self, said):
+        self.said = said
+
+    @property
+    def __cuda_array_interface__(self):
+        if isinstance(self.said, Exception):
+            raise self.said
+        return self.said
+
+
+GOOD = {"version": 3, "shape": (2, 3), "typestr": "<f4", "strides": None, "data": (1 << 20, False)}
+
+
+@pytest.mark.parametrize("said", [
+    None, {}, [], 5, OSError("gone"), ValueError("no"),
+    *({**GOOD, key: value} for key, value in (
+        ("shape", None), ("shape", (-1, 3)), ("shape", (2.5, 3)), ("shape", "ab"), ("shape", (2**63, 3)),
+        ("shape", ()), ("typestr", "xyz"), ("typestr", None), ("typestr", "|O8"), ("strides", (12,)),
+        ("strides", (12, 4, 1)), ("strides", (0, 4)), ("strides", (2**70, 4)), ("strides", (12.5, 4)),
+        ("data", None), ("data", (-5, False)), ("data", (2**70, False)), ("data", ("x", False)),
+        ("mask", [1, 0]), ("stream", "x"), ("stream", -3), ("stream", 2**70)))])
+def test_arrays_that_lie(make, said):
+    fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2]])
+    before = fluid.hash
+    for call in (fluid.read, fluid.write):
+        with pytest.raises(pbf.InvalidArgumentError):
+            call("velocity", Liar(said) if said is not None else object())
+    assert fluid.hash == before
+
+
+class Broken:
+    def __init__(self, device, capsule):
+        self.device, self.capsule = device, capsule
+
+    def __dlpack_device__(self):
+        if isinstance(self.device, Exception):
+            raise self.device
+        return self.device
+
+    def __dlpack__(self, **_options):
+        if isinstance(self.capsule, Exception):
+            raise self.capsule
+        return self.capsule
+
+
+@pytest.mark.parametrize("array", [
+    Broken(ValueError("no"), None), Broken(5, 7), Broken((1, 0), BufferError("no")),
+    Broken((1, 0), object()), "abc", np.zeros((2, 3), complex), np.zeros((2, 3), object),
+    np.zeros((2, 3), "M8[s]"), np.zeros((2, 3), bool), {"a": 1}, (k for k in range(3))])
+def test_arrays_of_no_numbers(make, array):
+    fluid = make([[0.2, 0.2, 0.2], [0.4, 0.2, 0.2]])
+    before = fluid.hash
+    for call in (lambda: fluid.write("velocity", array), lambda: fluid.set_velocities(array),
+                 lambda: fluid.read("velocity", array)):
+        with pytest.raises(pbf.InvalidArgumentError):
+            call()
+    assert fluid.hash == before
+
+
+def test_numbers_that_no_sentence_holds(make):
+    fluid = make([[0.2, 0.2, 0.2]])
+    for call in (lambda: fluid.step(10**5000), lambda: fluid.set(time_step=10**400),
+                 lambda: fluid.read(["position"]), lambda: make(backend="\ud800"),
+                 lambda: make(stream=2**64), lambda: make(stream=1.5)):
+        with pytest.raises(pbf.InvalidArgumentError) as error:
+            call()
+        assert len(str(error.value)) < 300
