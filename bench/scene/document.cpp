@@ -4,7 +4,6 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
 #include "core/content.h"
 
@@ -16,18 +15,29 @@ using nlohmann::json;
 constexpr size_t max_depth = 16;
 constexpr uintmax_t max_file_size = 16u << 20;
 
-std::string place_of(const std::string &text, size_t offset) {
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size()));
-  const auto line = 1 + std::count(text.begin(), end, '\n');
-  const auto start = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
-  return std::to_string(line) + ":" + std::to_string(1 + std::distance(start, end));
+// Elements of an array behind these are said to be where the array is.
+constexpr size_t most_noted = 10000;
+constexpr size_t longest_reason = 300;
+
+std::vector<size_t> line_starts_of(const std::string &text) {
+  std::vector<size_t> starts = {0};
+  for (size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1))
+    starts.push_back(at + 1);
+  return starts;
+}
+
+std::string place_of(const std::vector<size_t> &line_starts, size_t offset) {
+  const auto next = std::upper_bound(line_starts.begin(), line_starts.end(), offset);
+  return std::to_string(std::distance(line_starts.begin(), next)) + ":" +
+         std::to_string(1 + offset - *std::prev(next));
 }
 
 // Follows the parser through the text and notes where each value begins.
 class PlaceRecorder : public json::json_sax_t {
  public:
-  PlaceRecorder(const std::string &name, const std::string &text, std::istringstream &stream)
-      : name_(name), text_(text), stream_(stream) {}
+  PlaceRecorder(const std::string &name, const std::string &text,
+                const std::vector<size_t> &line_starts, std::istringstream &stream)
+      : name_(name), text_(text), line_starts_(line_starts), stream_(stream) {}
 
   bool null() override { return value(); }
   bool boolean(bool) override { return value(); }
@@ -45,7 +55,7 @@ class PlaceRecorder : public json::json_sax_t {
     Level &level = levels_.back();
     level.key = name;
     if (!level.keys.insert(name).second) {
-      throw Error(exit_usage, name_ + ":" + place_of(text_, token_start()) + ": the key \"" + name +
+      throw Error(exit_usage, place_at(token_start()) + ": the key \"" + name +
                                   "\" stands twice in one object");
     }
     consumed_ = here();
@@ -57,11 +67,12 @@ class PlaceRecorder : public json::json_sax_t {
     std::string reason = error.what();
     const auto colon = reason.find(": ");
     if (colon != std::string::npos) reason = reason.substr(colon + 2);
-    throw Error(exit_usage, name_ + ":" + place_of(text_, position > 0 ? position - 1 : 0) +
-                                ": this is not JSON: " + reason);
+    if (reason.size() > longest_reason) reason = reason.substr(0, longest_reason) + "...";
+    throw Error(exit_usage,
+                place_at(position > 0 ? position - 1 : 0) + ": this is not JSON: " + reason);
   }
 
-  std::map<std::string, std::string> places;
+  std::map<std::string, size_t> places;
 
  private:
   struct Level {
@@ -88,8 +99,18 @@ class PlaceRecorder : public json::json_sax_t {
     return path;
   }
 
+  std::string place_at(size_t offset) const {
+    return name_ + ":" + place_of(line_starts_, std::min(offset, text_.size()));
+  }
+
+  bool is_noted() const {
+    for (const Level &level : levels_)
+      if (level.index >= most_noted) return false;
+    return true;
+  }
+
   void note() {
-    places[pointer().to_string()] = place_of(text_, token_start());
+    if (is_noted()) places[pointer().to_string()] = token_start();
     consumed_ = here();
   }
 
@@ -105,9 +126,8 @@ class PlaceRecorder : public json::json_sax_t {
 
   bool open(bool is_array) {
     if (levels_.size() == max_depth) {
-      throw Error(exit_usage, name_ + ":" + place_of(text_, token_start()) +
-                                  ": nested deeper than " + std::to_string(max_depth) +
-                                  " levels; a scene needs 6");
+      throw Error(exit_usage, place_at(token_start()) + ": nested deeper than " +
+                                  std::to_string(max_depth) + " levels; a scene needs 6");
     }
     note();
     levels_.push_back({is_array, 0, {}, {}});
@@ -123,6 +143,7 @@ class PlaceRecorder : public json::json_sax_t {
 
   const std::string &name_;
   const std::string &text_;
+  const std::vector<size_t> &line_starts_;
   std::istringstream &stream_;
   std::vector<Level> levels_;
   size_t consumed_ = 0;
@@ -130,9 +151,10 @@ class PlaceRecorder : public json::json_sax_t {
 
 }  // namespace
 
-Document::Document(const std::string &name, const std::string &text) : name_(name) {
+Document::Document(const std::string &name, const std::string &text)
+    : name_(name), line_starts_(line_starts_of(text)) {
   std::istringstream stream(text);
-  PlaceRecorder recorder(name_, text, stream);
+  PlaceRecorder recorder(name_, text, line_starts_, stream);
   json::sax_parse(stream, &recorder);
   places_ = std::move(recorder.places);
   value = json::parse(text);
@@ -155,7 +177,7 @@ std::string Document::place(json::json_pointer pointer) const {
     const std::string text = pointer.to_string();
     if (const auto origin = origins_.find(text); origin != origins_.end()) return origin->second;
     if (const auto place = places_.find(text); place != places_.end()) {
-      return name_ + ":" + place->second;
+      return name_ + ":" + place_of(line_starts_, place->second);
     }
     if (pointer.empty()) return name_;
   }

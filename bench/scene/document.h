@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -35,7 +36,8 @@ class Document {
 
  private:
   std::string name_;
-  std::map<std::string, std::string> places_;  // JSON pointer → "line:column"
+  std::vector<size_t> line_starts_;
+  std::map<std::string, size_t> places_;  // JSON pointer → where in the text
   std::map<std::string, std::string> origins_;
 };
 

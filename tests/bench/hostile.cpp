@@ -126,6 +126,22 @@ void motion_without_end(void **) {
   assert_int_equal(solver.info().step, 3);
 }
 
+// Looked up once for each line, not once for each number.
+void arrays_without_end(void **) {
+  std::string numbers = "[1";
+  for (int i = 0; i < 1000000; ++i) numbers += ",1";
+  const char *const one = R"({"shape": "lattice", "first": [0.5, 0.5, 0.5], "counts": [1, 1, 1]})";
+  const std::string text = scene_text(one, ",\n \"more\": " + numbers + "]");
+  expect_contains(refusal(with(text)), "hostile.json:2:10: /more");
+}
+
+void a_sentence_is_no_longer_than_one(void **) {
+  const std::string digits = ", \"more\": " + std::string(1000000, '1');
+  const std::string sentence = refusal(with(scene_text("", digits)));
+  expect_contains(sentence, "number overflow");
+  assert_true(sentence.size() < 1000);
+}
+
 }  // namespace
 
 int main() {
@@ -139,6 +155,8 @@ int main() {
       cmocka_unit_test(fewer_steps_than_one),
       cmocka_unit_test(a_spacing_that_halving_makes_nothing),
       cmocka_unit_test(motion_without_end),
+      cmocka_unit_test(arrays_without_end),
+      cmocka_unit_test(a_sentence_is_no_longer_than_one),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
