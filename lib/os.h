@@ -15,6 +15,11 @@
 void *pbf_os_allocate(size_t size, size_t alignment);
 void pbf_os_release(void *memory);
 
+/* Of a system that gives out more memory than it has, and ends processes when it is written to: the
+ * bytes that are left, and those that this process has written to. Returns 0 where the system gives
+ * no more than it has, or does not tell. */
+int pbf_os_memory(uint64_t *left, uint64_t *written);
+
 void pbf_os_sleep(uint32_t microseconds);
 
 /* vsnprintf, with a point in numbers whatever the program's locale writes. */

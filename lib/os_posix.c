@@ -3,11 +3,14 @@
 #include "os.h"
 #include "compiler.h"
 
+#include <fcntl.h>
 #include <locale.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #if defined(__APPLE__)
 #include <xlocale.h>
@@ -18,6 +21,45 @@
 void *pbf_os_allocate(size_t size, size_t alignment) { return aligned_alloc(alignment, size); }
 
 void pbf_os_release(void *memory) { free(memory); }
+
+#if defined(__linux__)
+
+/* What Linux tells of itself, as far as there is room for it; without memory of its own. */
+static int read_text(const char *path, char *text, size_t size) {
+  const int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return 0;
+  const ssize_t length = read(file, text, size - 1);
+  close(file);
+  text[length > 0 ? length : 0] = 0;
+  return length > 0;
+}
+
+static uint64_t kilobytes_of(const char *text, const char *name, int *is_there) {
+  const char *found = strstr(text, name);
+  *is_there = found != NULL;
+  return found ? strtoull(found + strlen(name), NULL, 10) : 0;
+}
+
+int pbf_os_memory(uint64_t *left, uint64_t *written) {
+  char text[4096];
+  int is_there, swaps;
+  if (!read_text("/proc/meminfo", text, sizeof text)) return 0;
+  *left = kilobytes_of(text, "\nMemAvailable:", &is_there);
+  *left = (*left + kilobytes_of(text, "\nSwapFree:", &swaps)) * 1024;
+  if (!is_there || !read_text("/proc/self/statm", text, sizeof text)) return 0;
+  const char *resident = strchr(text, ' ');
+  *written = resident ? strtoull(resident, NULL, 10) * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+  return resident != NULL;
+}
+
+#else
+
+int pbf_os_memory(uint64_t *left, uint64_t *written) {
+  (void)left, (void)written;
+  return 0;
+}
+
+#endif
 
 void pbf_os_sleep(uint32_t microseconds) {
   const struct timespec nap = {microseconds / 1000000, microseconds % 1000000 * 1000L};

@@ -16,6 +16,11 @@ void *pbf_os_allocate(size_t size, size_t alignment) { return _aligned_malloc(si
 
 void pbf_os_release(void *memory) { _aligned_free(memory); }
 
+int pbf_os_memory(uint64_t *left, uint64_t *written) {
+  (void)left, (void)written;
+  return 0;
+}
+
 /* In milliseconds, as the system counts. */
 void pbf_os_sleep(uint32_t microseconds) { Sleep((microseconds + 999) / 1000); }
 
