@@ -149,7 +149,7 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
       if (velocities) p->velocity[k] = pbf_value_at(velocities, at, precision);
     }
     p->born = d->head.time;
-    p->dies = d->head.time + pbf_value_at(lives, i, precision);
+    p->dies = pbf_diffuse_end(d->head.time, pbf_value_at(lives, i, precision));
     pbf_diffuse_keep_inside(solver, &walls, p);
   }
   return PBF_OK;

@@ -2,6 +2,8 @@
 #ifndef PBF_LIB_DIFFUSE_DIFFUSE_H
 #define PBF_LIB_DIFFUSE_DIFFUSE_H
 
+#include <math.h>
+
 #include <pbf/diffuse.h>
 
 #include "solver/solver.h"
@@ -51,6 +53,12 @@ typedef struct pbf_diffuse {
 static inline pbf_diffuse_particle *pbf_diffuse_at(const pbf_diffuse *d, uint32_t n) {
   const uint32_t place = d->first + n, capacity = d->desc.capacity;
   return &d->particles[place < capacity ? place : place - capacity];
+}
+
+/* When a life ends, which is left of it > 0 also where it is nothing beside the time. */
+static inline double pbf_diffuse_end(double time, double life) {
+  const double end = time + life;
+  return end > time ? end : nextafter(time, INFINITY);
 }
 
 /* Room for a new, youngest one, with its id; the oldest makes way where there is none. */

@@ -154,7 +154,8 @@ static void make_one(maker *m, const double *position, const double *velocity, d
     p->velocity[k] = velocity[k] + desc->scatter * speed * off[k];
   }
   p->born = time;
-  p->dies = time + desc->lifetime_min + (desc->lifetime_max - desc->lifetime_min) * lasting;
+  p->dies = pbf_diffuse_end(
+      time, desc->lifetime_min + (desc->lifetime_max - desc->lifetime_min) * lasting);
   pbf_diffuse_keep_inside(m->solver, m->walls, p);
   p->kind = pbf_diffuse_kind(desc, pbf_fluid_flow_at(&m->others, p->position).neighbors);
   ++m->diffuse->head.generated;

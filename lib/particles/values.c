@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "check.h"
 #include "error.h"
@@ -83,6 +85,18 @@ static double as_stored(double bound, uint32_t precision) {
   return precision == PBF_FLOAT32 ? (double)(float)bound : bound;
 }
 
+/* So many that no other number of the precision is written alike: what is outside by the last of
+ * its bits would seem to be inside. */
+static int digits_of(double number, uint32_t precision) {
+  char text[32];
+  int digits = 9;
+  for (; digits < 17 && precision == PBF_FLOAT64; ++digits) {
+    snprintf(text, sizeof text, "%.*g", digits, number);
+    if (strtod(text, NULL) == number) break;
+  }
+  return digits;
+}
+
 pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
                                       uint32_t count, uint32_t first_row) {
   pbf_status status = pbf_values_check_finite(solver, "positions", positions, count, first_row);
@@ -96,8 +110,9 @@ pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *posi
       double x = pbf_value_at(positions, (uint64_t)row * dimension + axis, precision);
       if (x >= lower && x <= upper) continue;
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                      "positions[%u][%u] is %.9g; it must be inside the domain, %.9g … %.9g",
-                      first_row + row, axis, x, lower, upper);
+                      "positions[%u][%u] is %.*g; it must be inside the domain, %.*g … %.*g",
+                      first_row + row, axis, digits_of(x, precision), x,
+                      digits_of(lower, precision), lower, digits_of(upper, precision), upper);
     }
   }
   return PBF_OK;

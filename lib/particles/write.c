@@ -1,4 +1,5 @@
 /* Writing fields from the caller's own layout. */
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "solver/handles.h"
 #include "solver/ids.h"
 #include "structs.h"
+#include "text.h"
 #include "values.h"
 
 /* A writing, in which zeros have given way to what they stand for. */
@@ -76,12 +78,32 @@ static void gather(const writing *w, const char *from, uint64_t stride, void *to
     }
 }
 
+/* What float64 holds and float32 does not: once gathered it would be told of as infinite. */
+static pbf_status check_range(const writing *w, const char *from, uint64_t stride) {
+  const uint32_t dimension = w->solver->kind.dimension;
+  char number[PBF_NUMBER_SIZE];
+  if (w->solver->kind.precision != PBF_FLOAT32 || w->size == sizeof(float)) return PBF_OK;
+  for (uint32_t row = 0; row < w->desc.count; ++row)
+    for (uint32_t k = 0; k < dimension; ++k) {
+      const double given = number_at(from + row * stride, k, w->size);
+      if (!isfinite(given) || isfinite((float)given)) continue;
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "%s[%u][%u] is %s; it must be a number that float32 holds, at most 3.4e38 in "
+                      "size",
+                      w->desc.field == PBF_FIELD_POSITION ? "positions" : "velocities",
+                      w->desc.first + row, k, pbf_text_number(number, given));
+    }
+  return PBF_OK;
+}
+
 static pbf_status write_gathered(const writing *w, const char *from, uint64_t stride) {
   const pbf_write_desc *desc = &w->desc;
+  pbf_status status = check_range(w, from, stride);
+  if (status != PBF_OK) return status;
   const pbf_allocator *allocator = &w->solver->allocator;
   const uint64_t bytes = desc->count * pbf_point_bytes(w->solver);
   void *memory;
-  pbf_status status = pbf_memory_allocate(allocator, bytes, "a copy of what is written", &memory);
+  status = pbf_memory_allocate(allocator, bytes, "a copy of what is written", &memory);
   if (status != PBF_OK) return status;
   gather(w, from, stride, memory);
   status = pbf_write_field(w->solver, desc->field, desc->first, desc->count, memory);

@@ -57,7 +57,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
   if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
-      header->steps_since > header->step)
+      header->steps_since > header->step || header->step >> 63)
     return reject("contradicts itself in its counts");
   return PBF_OK;
 }

@@ -262,6 +262,26 @@ static void bad_calls_are_refused(void **state) {
 }
 
 /* A forged state is none that pbf_save wrote. */
+/* Also where the time is so long that they are nothing beside it. */
+static void lives_are_above_0(void **state) {
+  (void)state;
+  pbf_solver *s = splash(3, PBF_FLOAT64, 0);
+  pbf_diffuse_desc desc = desc_of(s);
+  const double x[3] = {1, 1, 1}, life = 1e-30;
+  double left = 0;
+  assert_ok(pbf_set_diffuse(s, &desc));
+  assert_ok(pbf_step(s, 3));
+  assert_ok(pbf_add_diffuse(s, 1, x, NULL, &life));
+  const uint32_t count = info_of(s).count;
+  const pbf_diffuse_read read = {
+      .struct_size = sizeof read, .first = count - 1, .count = 1, .lives = &left};
+  assert_ok(pbf_read_diffuse(s, &read));
+  assert_true(left > 0 && left < 1e-9);
+  assert_ok(pbf_step(s, 1));
+  assert_true(info_of(s).expired > 0);
+  pbf_destroy(s);
+}
+
 static void forged_states_are_refused(void **state) {
   (void)state;
   pbf_solver *s = splash(3, PBF_FLOAT32, 1), *other = splash(3, PBF_FLOAT32, 0);
@@ -302,6 +322,7 @@ int main(void) {
       cmocka_unit_test(setting_fails_whole),
       cmocka_unit_test(bad_descs_are_refused),
       cmocka_unit_test(bad_calls_are_refused),
+      cmocka_unit_test(lives_are_above_0),
       cmocka_unit_test(forged_states_are_refused),
   };
   return TEST_RUN(tests);

@@ -115,6 +115,33 @@ static void bad_input_leaves_the_state(void **state) {
   pbf_destroy(solver);
 }
 
+/* The number that was given, not what another precision or fewer digits make of it. */
+static void sentences_have_the_number_given(void **state) {
+  (void)state;
+  double x[2][3] = {{0.25, 0.25, 0.25}, {0.5, 1e39, 0.5}};
+  pbf_write_desc write = {.struct_size = sizeof write,
+                          .field = PBF_FIELD_VELOCITY,
+                          .first = 5,
+                          .count = 2,
+                          .element_type = PBF_TYPE_FLOAT64,
+                          .data = x};
+  pbf_solver *single = test_filled(3, PBF_FLOAT32, COUNT, CAPACITY);
+  const uint64_t hash = test_hash(single);
+  assert_fails(pbf_write(single, &write), PBF_ERROR_INVALID_ARGUMENT,
+               "velocities[6][1] is 1e+39; it must be a number that float32 holds");
+  write.field = PBF_FIELD_POSITION;
+  x[1][1] = -1e200;
+  assert_fails(pbf_write(single, &write), PBF_ERROR_INVALID_ARGUMENT, "positions[6][1] is -1e+200");
+  assert_true(test_hash(single) == hash);
+  pbf_destroy(single);
+  pbf_solver *twofold = test_filled(3, PBF_FLOAT64, COUNT, CAPACITY);
+  const double outside = 1 + 1.0 / (1 << 30);
+  x[1][1] = outside;
+  assert_fails(pbf_write(twofold, &write), PBF_ERROR_INVALID_ARGUMENT,
+               "positions[6][1] is 1.0000000009313226; it must be inside the domain, 0 … 1");
+  pbf_destroy(twofold);
+}
+
 /* Of a GPU, where the solver is on a CPU; on a GPU the host's. */
 static void memory_of_another_device(void **state) {
   float x[3 * SOME] = {0};
@@ -152,6 +179,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(layouts),
       cmocka_unit_test(bad_input_leaves_the_state),
+      cmocka_unit_test(sentences_have_the_number_given),
       cmocka_unit_test(memory_of_another_device),
   };
   return TEST_RUN(tests);
