@@ -9,7 +9,7 @@ static int was_asked_for_more;
 
 /* Of the library, too. What is more than there is, which a solver would be given, it gets not here:
  * so the machine comes to no harm where the library does not look. */
-void *aligned_alloc(size_t alignment, size_t size) {
+__attribute__((visibility("default"))) void *aligned_alloc(size_t alignment, size_t size) {
   void *memory = NULL;
   if (room && (asked += size) > room) {
     was_asked_for_more = 1;
