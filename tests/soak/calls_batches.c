@@ -132,9 +132,19 @@ void call_batch_step(actor *a) { step_some(a, 0); }
 void call_batch_get_statuses(actor *a) { step_some(a, 1); }
 void call_batch_get_sentence(actor *a) { step_some(a, 1); }
 
+/* A start stays where what is to replace it is no state. */
+static void refuse_starts(actor *a, const many *m) {
+  const uint64_t sizes[] = {0, 8, a->subject->saved_size - 1, UINT64_MAX};
+  const pbf_status status =
+      pbf_batch_set_start(m->batch, NULL, a->subject->saved, sizes[dice_below(&a->dice, 4)]);
+  check_status(a, status, pbf_last_error());
+  insist(a, status != PBF_OK);
+}
+
 void call_batch_set_start(actor *a) {
   many m;
   if (!begin(a, &m)) return;
+  refuse_starts(a, &m);
   if (did(a, pbf_batch_step(m.batch, m.mask, 1)) &&
       did(a, pbf_batch_set_start(m.batch, m.mask, NULL, 0)) &&
       did(a, pbf_batch_reset(m.batch, NULL)))

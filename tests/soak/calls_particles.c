@@ -289,17 +289,48 @@ void call_set_accelerations(actor *a) {
 
 void call_set_velocities(actor *a) { set_rows(a, set_velocities, get_velocities, speeds); }
 
+/* Rows of four numbers in float64 or of their own, the rest of them NaN, which is not looked at. */
+static pbf_status write_rows(pbf_solver *solver, rows *r, uint32_t field, const void *values) {
+  static _Thread_local double wide[MOST_PARTICLES][4];
+  pbf_info info = {.struct_size = sizeof info};
+  pbf_write_desc write = {.struct_size = sizeof write,
+                          .field = field,
+                          .first = r->first,
+                          .count = r->count,
+                          .data = values};
+  if (r->count % 2 == 0 || r->count > MOST_PARTICLES || pbf_get_info(solver, &info) != PBF_OK)
+    return pbf_write(solver, &write);
+  for (uint32_t i = 0; i < r->count; ++i)
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t place = i * info.dimension + k;
+      wide[i][k] = k >= info.dimension             ? NAN
+                   : info.precision == PBF_FLOAT32 ? (double)((const float *)values)[place]
+                                                   : ((const double *)values)[place];
+    }
+  write.element_type = PBF_TYPE_FLOAT64;
+  write.components = 4;
+  write.data = wide;
+  return pbf_write(solver, &write);
+}
+
 static pbf_status write_velocities(pbf_solver *solver, int twin, void *context) {
   rows *r = context;
   (void)twin;
-  return pbf_write(solver, &(pbf_write_desc){.struct_size = sizeof(pbf_write_desc),
-                                             .field = PBF_FIELD_VELOCITY,
-                                             .first = r->first,
-                                             .count = r->count,
-                                             .data = r->v});
+  return write_rows(solver, r, PBF_FIELD_VELOCITY, r->v);
 }
 
-void call_write(actor *a) { set_rows(a, write_velocities, get_velocities, speeds); }
+static pbf_status write_positions(pbf_solver *solver, int twin, void *context) {
+  rows *r = context;
+  (void)twin;
+  return write_rows(solver, r, PBF_FIELD_POSITION, r->x);
+}
+
+void call_write(actor *a) {
+  if (dice_one_in(&a->dice, 2))
+    set_rows(a, write_velocities, get_velocities, speeds);
+  else
+    set_rows(a, write_positions, get_positions, places);
+}
 
 /* ---- Into another layout ---- */
 
