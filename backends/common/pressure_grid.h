@@ -3,8 +3,8 @@
 #define PBF_COMMON_PRESSURE_GRID_H
 
 #include "common/memory.h"
+#include "physics/pressure_grid/datum.h"
 #include "physics/pressure_grid/particles.h"
-#include "physics/pressure_grid/solve.h"
 #include "physics/constants.h"
 
 /* Nodes first … last - 1. */
@@ -356,6 +356,44 @@ static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *stor
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k)
     if (pbf_pressure_grid_is_open(depths[t->torn_at[k]]))
       lambda[t->torn_at[k]] = pbf_pressure_grid_torn_beyond(c, t, depths, free_volumes, lambda, k);
+}
+
+/* Once particles have been moved, in a box of cells outside which there is no fluid. The right sides
+ * and what was before have been read, and are room for what is found. */
+static inline void pbf_pressure_grid_find_datum(pbf_pressure_grid_storage *storage,
+                                                const pbf_pressure_grid_box *cells) {
+  const pbf_pressure_grid *c = &storage->grid;
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  const uint32_t torn = pbf_pressure_grid_torn_count(t);
+  const pbf_pressure_datum d = {c,
+                                t,
+                                storage->sums,
+                                storage->places,
+                                storage->free_volumes,
+                                storage->inverse,
+                                storage->lambda,
+                                (int64_t *)storage->right,
+                                (int64_t *)storage->before};
+  const auto each_compartment = [&](auto visit) {
+    int i[PBF_DIM];
+    memcpy(i, cells->first, sizeof i);
+    do {
+      const uint32_t row = pbf_pressure_grid_row(c, i);
+      for (int x = cells->first[0]; x <= cells->last[0]; ++x) visit(row + (uint32_t)x);
+    } while (pbf_pressure_grid_next_row(cells, i));
+    for (uint32_t k = t->first; k < pbf_pressure_grid_last_further(t); ++k) visit(k);
+  };
+  const auto each_node = [&](auto visit) {
+    for (uint32_t k = 0; k < c->nodes; ++k) visit(k, storage->inverse[k] > 0);
+    for (uint32_t k = 0; k < torn; ++k) visit(t->torn_at[k], t->inverse[k] > 0);
+  };
+  each_node([&](uint32_t node, bool) { pbf_datum_begin(&d, node); });
+  each_compartment([&](uint32_t compartment) { pbf_datum_join(&d, compartment); });
+  each_compartment([&](uint32_t compartment) { pbf_datum_note(&d, compartment); });
+  each_node([&](uint32_t node, bool solved) {
+    if (solved) pbf_datum_end(&d, node);
+  });
+  each_node([&](uint32_t node, bool) { storage->right[node] = storage->before[node] = 0; });
 }
 
 /* The lambda over particles that has the grid's pressure at x. */

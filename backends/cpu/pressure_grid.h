@@ -4,6 +4,7 @@
 #define PBF_CPU_PRESSURE_GRID_H
 
 #include "cpu/lists.h"
+#include "cpu/loads.h"
 #include "cpu/pressure_grid_solve.h"
 
 #include "cpu/pressure_grid_ranks.h"
@@ -60,10 +61,24 @@ static void apply_correction_task(void *context, uint32_t task) {
   fill_packed(s, packed_positions(s), &w->b.sorted_predicted, s->mobility, all);
 }
 
+/* No more particle is moved by it. */
+static void find_datum(solver *s) {
+  if (s->pressure_grid_solve.nodes == 0) return;
+  pbf_pressure_grid_box cells = s->pressure_grid_solve.inside;
+  for (int k = 0; k < PBF_DIM; ++k) --cells.first[k];
+  pbf_pressure_grid_find_datum(&s->pressure_grid, &cells);
+}
+
+/* What solids get is found in the step. */
+static void end_correction(void *context) {
+  worker *w = static_cast<worker *>(context);
+  if (notes_pushes(w->s)) find_datum(w->s);
+}
+
 /* What the weight presses together is undone. */
 static void solve_pressure_grid(worker *w) {
   parallel_for(w->self, pair_task_count(w), deposit_task, end_deposit, w);
-  parallel_for(w->self, pair_task_count(w), apply_correction_task, NULL, w);
+  parallel_for(w->self, pair_task_count(w), apply_correction_task, end_correction, w);
   stage_end(w, PBF_STAGE_GRID);
 }
 
@@ -71,6 +86,7 @@ static void solve_pressure_grid(worker *w) {
  * added, by the parameters of that step. No step asks for it. */
 static void add_weight(solver *s) {
   if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->grid_pressure_pending) return;
+  find_datum(s);
   for (uint32_t i = 0; i < s->count && s->pressure_scale > 0; ++i)
     s->lambda[i] += pbf_pressure_grid_particle_lambda(
         &s->pressure_grid, s->pressure_scale, s->grid_inv_time_step, field_at(&s->buffers.x, i));

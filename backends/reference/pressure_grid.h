@@ -80,4 +80,14 @@ static inline void pressure_grid_solve(pbf_pressure_grid_storage *storage, const
   pbf_pressure_grid_extrapolate(storage, &all);
 }
 
+/* Once all have been moved. */
+static inline void pressure_grid_find_datum(pbf_pressure_grid_storage *storage) {
+  pbf_pressure_grid_box inside;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    inside.first[k] = 1;
+    inside.last[k] = storage->grid.n[k];
+  }
+  pbf_pressure_grid_find_datum(storage, &inside);
+}
+
 #endif

@@ -149,6 +149,7 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
     s->v[i] = pbf_add_scaled(s->v[i], inv_time_step, u);
     s->predicted[i] = s->moved[i] = pbf_add_scaled(s->moved[i], 1, u);
   }
+  pressure_grid_find_datum(&s->pressure_grid);
 }
 
 /* lambda once the step is over, and with it the pressure: all of it. */
