@@ -358,8 +358,8 @@ static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *stor
       lambda[t->torn_at[k]] = pbf_pressure_grid_torn_beyond(c, t, depths, free_volumes, lambda, k);
 }
 
-/* Once particles have been moved, in a box of cells outside which there is no fluid. The right sides
- * and what was before have been read, and are room for what is found. */
+/* Once particles have been moved, in a box of cells outside which there is no fluid. The right
+ * sides and what was before have been read, and are room for what is found. */
 static inline void pbf_pressure_grid_find_datum(pbf_pressure_grid_storage *storage,
                                                 const pbf_pressure_grid_box *cells) {
   const pbf_pressure_grid *c = &storage->grid;
@@ -422,6 +422,15 @@ static inline double pbf_pressure_grid_pressure(const pbf_pressure_grid_storage 
                                                         storage->lambda, cell, at, slope);
   for (int k = 0; k < PBF_DIM; ++k) slope[k] *= scale;
   return scale * lambda;
+}
+
+/* Whether there may be pressure in a cell. */
+static inline bool pbf_pressure_grid_has_pressure(const pbf_pressure_grid_storage *storage,
+                                                  uint32_t cell) {
+  double values[PBF_CORNERS];
+  if (pbf_cell_is_cut(&storage->topology, cell)) return true;
+  pbf_pressure_grid_corners(&storage->grid, &storage->topology, storage->lambda, cell, values);
+  return pbf_pressure_grid_deepest(values) < 0;
 }
 
 #endif

@@ -180,6 +180,7 @@ struct executor {
     stage_end(w, PBF_STAGE_FRICTION);
   }
   void loads() {
+    if (has_grid_pressure(w)) over_pairs(grid_loads_task);
     over_pairs(loads_task, end_loads_of_step);
     stage_end(w, PBF_STAGE_LOADS);
   }

@@ -32,6 +32,10 @@ struct near_surfaces {
         lower.c[k] = pbf_real_min(lower.c[k], x->c[k][i]);
         upper.c[k] = pbf_real_max(upper.c[k], x->c[k][i]);
       }
+    find_between(o, lower, upper, reach);
+  }
+
+  void find_between(const pbf_obstacles *o, pbf_vec lower, pbf_vec upper, pbf_real reach) {
     const group_bounds bounds = bounds_between(lower, upper, 0);
     const pbf_real to_wall = pbf_domain_distance(&o->domain, bounds.center);
     pbf_obstacles found;
@@ -210,6 +214,52 @@ static void adhesion_task(void *context, uint32_t task) {
   loads.end();
 }
 
+/* What the grid's pressure in the i-th cell along each axis does to solids. */
+static void add_grid_loads(const worker *w, const pbf_load_scales &scales, const int i[PBF_DIM],
+                           recent_loads *loads) {
+  const pbf_pressure_grid *c = &w->s->pressure_grid.grid;
+  const pbf_vec middle = pbf_cell_middle(c, i);
+  pbf_vec half;
+  near_surfaces near;
+  int points = 1;
+  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
+  for (int k = 0; k < PBF_DIM; ++k) half.c[k] = (pbf_real)(0.5 * c->width);
+  near.find_between(&w->obstacles, pbf_sub(middle, half), pbf_add_scaled(middle, 1, half),
+                    (pbf_real)pbf_grid_load_reach(scales.spacing));
+  for (int point = 0; point < points && near.any; ++point)
+    share_grid_pressure_around(
+        &scales, c, w->obstacles, near, grid_load_point(c, i, point),
+        [&](pbf_vec x, double slope[]) {
+          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x, slope);
+        },
+        [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
+          add_part(loads->of(plane.solid), load_part_beside(&scales, w->obstacles, x, plane, share),
+                   false);
+        });
+}
+
+/* On ranks, which have all of the grid, each looks at some of the cells. */
+static bool is_load_cell(const worker *w, uint32_t cell, int i[PBF_DIM]) {
+  const solver *s = w->s;
+  if (has_ranks(s) && cell % s->ranks.count != s->ranks.rank) return false;
+  pbf_pressure_grid_place(&s->pressure_grid.grid, cell, i);
+  return pbf_cell_is_inside(&s->pressure_grid.grid, i) &&
+         pbf_pressure_grid_has_pressure(&s->pressure_grid, cell);
+}
+
+static void grid_loads_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
+  const range cells = part_of(w->s->pressure_grid.grid.nodes, task, pair_task_count(w));
+  recent_loads loads;
+  loads.begin(w->s->load_tally);
+  for (uint32_t cell = cells.first; cell < cells.last; ++cell) {
+    int i[PBF_DIM];
+    if (is_load_cell(w, cell, i)) add_grid_loads(w, scales, i, &loads);
+  }
+  loads.end();
+}
+
 static void loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
@@ -217,28 +267,14 @@ static void loads_task(void *context, uint32_t task) {
   pbf_wide_sum change[PBF_DIM] = {};
   recent_loads loads;
   loads.begin(w->s->load_tally);
-  const double reach =
-      has_grid_pressure(w) ? fmax(scales.reach, pbf_grid_load_reach(scales.spacing)) : scales.reach;
-  each_near_surfaces(w, reach, all, [&](const near_surfaces &near, range some) {
+  each_near_surfaces(w, scales.reach, all, [&](const near_surfaces &near, range some) {
     for (uint32_t i = some.first; i < some.last; ++i) {
       load_particle p = load_momentum_at(w, &scales, near, i);
-      const bool has_grid = p.has_grid;
       int last = -1;
       p.has_grid = false;
       for (int k = 0; k < PBF_DIM; ++k)
         pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));
       if (!near.any && !is_pushed(w, i)) continue;
-      if (has_grid && near.any)
-        share_grid_pressure(
-            &scales, w->obstacles, near, p.x,
-            [&](pbf_vec x, double slope[]) {
-              return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x,
-                                                slope);
-            },
-            [&](const pbf_load_plane &plane, const load_share &share) {
-              add_part(loads.of(plane.solid),
-                       load_part_beside(&scales, w->obstacles, p.x, plane, share), false);
-            });
       share_push(
           &w->constants, &scales, w->obstacles, near, p, [] { return (pbf_real)0; },
           [&](const pbf_load_plane &plane, const load_share &share) {

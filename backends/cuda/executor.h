@@ -4,7 +4,7 @@
 
 #include "cuda/launcher.h"
 #include "cuda/loads.h"
-#include "cuda/pressure_grid_host.h"
+#include "cuda/pressure_datum.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
@@ -234,6 +234,7 @@ struct executor : launcher {
              n.particles, s->pressure_grid, arrays, torn, (pbf_real)carried,
              (pbf_real)(1 / s->params.time_step), collides ? moved : nullptr);
       if (collides) collide_on_way(extras.rest.activity, n.particles.velocities, nullptr);
+      if (notes_pushes(s)) find_datum(s);
     });
     moves_later = true;
   }
@@ -448,12 +449,21 @@ struct executor : launcher {
     });
   }
 
+  template <bool LISTED>
+  void launch_grid_loads(const pbf_load_scales &scales) {
+    const pressure_source source = present_pressures(s);
+    if (!source.grid.arrays.control) return;
+    grid_loads_kernel<LISTED><<<source.grid.grid.nodes, GRID_LOADS_BLOCK, 0, s->stream>>>(
+        extras.obstacles, scales, source, extras.rest.all, tally_for<LISTED>(s));
+  }
+
   void loads() {
     const pbf_load_scales scales =
         pbf_load_scales_of(&n.constants, &prediction_inputs.forces, &s->params);
     run(PBF_STAGE_LOADS, [&] {
       with_lists(s, [&](auto listed) {
         constexpr bool LISTED = decltype(listed)::value;
+        launch_grid_loads<LISTED>(scales);
         launch(loads_kernel<LISTED>, n, extras.obstacles, scales, present_pressures(s), s->activity,
                extras.rest.all, s->velocities, s->push, tally_for<LISTED>(s));
       });

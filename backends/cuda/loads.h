@@ -291,18 +291,71 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 }
 
 /* Walls have many particles at them, and are summed up by blocks first. */
+struct wall_sums {
+  pbf_load_sums of[2 * PBF_DIM];
+};
+
+static __device__ __forceinline__ void begin_wall_sums(wall_sums *walls) {
+  for (uint32_t k = threadIdx.x; k < sizeof *walls / sizeof(uint64_t); k += blockDim.x)
+    reinterpret_cast<uint64_t *>(walls)[k] = 0;
+  __syncthreads();
+}
+
+/* Once all threads of the block have added to them. */
+static __device__ __forceinline__ void end_wall_sums(const wall_sums *walls, pbf_load_sums *sums) {
+  if (threadIdx.x >= 2 * PBF_DIM) return;
+  const pbf_load_sums &mine = walls->of[threadIdx.x];
+  pbf_load_sums *to = &sums[threadIdx.x];
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_wide(&to->of[k], mine.of[k]);
+  atomicAdd(reinterpret_cast<unsigned long long *>(&to->contacts),
+            static_cast<unsigned long long>(mine.contacts));
+  atomicMax(reinterpret_cast<unsigned long long *>(&to->depth),
+            static_cast<unsigned long long>(mine.depth));
+}
+
+enum { GRID_LOADS_BLOCK = 64 };
+
+/* What the pressure grid does: a block a cell. */
+template <bool LISTED>
+static __global__ void __launch_bounds__(GRID_LOADS_BLOCK)
+    grid_loads_kernel(const __grid_constant__ step_obstacles o, pbf_load_scales scales,
+                      pressure_source source, const uint32_t *all_asleep,
+                      load_tally_asked<LISTED> *tally) {
+  __shared__ wall_sums walls;
+  const pbf_pressure_grid *c = &source.grid.grid;
+  const uint32_t cell = blockIdx.x;
+  int i[PBF_DIM], points = 1;
+  if (PBF_SLEEP && all_asleep && *all_asleep) return;
+  pbf_pressure_grid_place(c, cell, i);
+  if (!pbf_cell_is_inside(c, i)) return;
+  begin_wall_sums(&walls);
+  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
+  for (int point = (int)threadIdx.x; point < points; point += (int)blockDim.x) {
+    const pbf_vec x = grid_load_point(c, i, point);
+    share_grid_pressure_around(
+        &scales, c, o,
+        solids_near<LISTED>(o, x, pbf_grid_load_reach(scales.spacing) + 0.5 * scales.spacing), x,
+        [&](pbf_vec at, double slope[]) { return grid_pressure_sloped(source.grid, at, slope); },
+        [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
+          pbf_load_sums *to =
+              plane.solid < PBF_WALLS ? &walls.of[plane.solid] : &tally->sums[plane.solid];
+          add_shared_part(to, load_part_beside(&scales, o, at, plane, share), false);
+        });
+  }
+  __syncthreads();
+  end_wall_sums(&walls, tally->sums);
+}
+
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     loads_kernel(const __grid_constant__ neighborhood n, const __grid_constant__ step_obstacles o,
                  pbf_load_scales scales, pressure_source source, const pbf_real *activity,
                  const uint32_t *all_asleep, const pbf_vec *velocities, const pbf_vec *push,
                  load_tally_asked<LISTED> *tally) {
-  __shared__ pbf_load_sums walls[2 * PBF_DIM];
+  __shared__ wall_sums walls;
   const uint32_t i = own_index(n.particles);
   if (PBF_SLEEP && all_asleep && *all_asleep) return;
-  for (uint32_t k = threadIdx.x; k < sizeof walls / sizeof(uint64_t); k += blockDim.x)
-    reinterpret_cast<uint64_t *>(walls)[k] = 0;
-  __syncthreads();
+  begin_wall_sums(&walls);
   load_particle p = {};
   if (i < n.particles.count) {
     const point own = load(n.particles.points, i);
@@ -314,15 +367,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     else if (n.particles.mobility)
       p = with_mass(p, n.particles.mobility[i]);
     int last = -1;
-    if (PBF_HAS_PRESSURE_GRID && p.has_grid)
-      share_grid_pressure(
-          &scales, o, solids_near<LISTED>(o, p.x, pbf_grid_load_reach(scales.spacing)), p.x,
-          [&](pbf_vec x, double slope[]) { return grid_pressure_sloped(source.grid, x, slope); },
-          [&](const pbf_load_plane &plane, const load_share &share) {
-            pbf_load_sums *to =
-                plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
-            add_shared_part(to, load_part_beside(&scales, o, p.x, plane, share), false);
-          });
     p.has_grid = false;
     share_push(
         constants_for<LISTED>(o, &n.constants), &scales, o,
@@ -330,20 +374,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
         [&](const pbf_load_plane &plane, const load_share &share) {
           const load_part part = load_part_of(&scales, o, p.x, plane, share);
           pbf_load_sums *to =
-              plane.solid < PBF_WALLS ? &walls[plane.solid] : &tally->sums[plane.solid];
+              plane.solid < PBF_WALLS ? &walls.of[plane.solid] : &tally->sums[plane.solid];
           add_shared_part(to, part, part.touches && plane.solid != last);
           if (part.touches) last = plane.solid;
         });
   }
   add_changes(tally->change, scales.velocity, p.change, i < n.particles.count);
-  if (threadIdx.x >= 2 * PBF_DIM) return;
-  const pbf_load_sums &mine = walls[threadIdx.x];
-  pbf_load_sums *to = &tally->sums[threadIdx.x];
-  for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_wide(&to->of[k], mine.of[k]);
-  atomicAdd(reinterpret_cast<unsigned long long *>(&to->contacts),
-            static_cast<unsigned long long>(mine.contacts));
-  atomicMax(reinterpret_cast<unsigned long long *>(&to->depth),
-            static_cast<unsigned long long>(mine.depth));
+  end_wall_sums(&walls, tally->sums);
 }
 
 /* A thread a solid. Where all sleep they keep what they had. */

@@ -4,6 +4,7 @@
 #define PBF_CUDA_POPULATION_H
 
 #include "cuda/launches.h"
+#include "cuda/pressure_datum.h"
 #include "cuda/pressures.h"
 #include "cuda/rows.h"
 #include "cuda/stats.h"
@@ -59,6 +60,7 @@ static inline pressure_source pressures_of(const solver *s) {
   if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory || !(s->pressure_scale > 0) ||
       !s->pressure_grid.nodes)
     return source;
+  find_datum(s);
   source.grid = {s->pressure_grid, pressure_grid_of(s), s->pressure_grid_scale};
   return source;
 }

@@ -2,16 +2,20 @@
  *
  * The grid moves particles by the slope of its pressure p, wherever they are, so that what it does
  * to solids is no sum of pushes of theirs: it is the integral of p n over their surfaces. Where a
- * weight psi is 1 on a solid and 0 on all others, that is by Gauss's theorem the sum over particles
- * of volume times the slope of psi p, whatever the solid's shape. The density that solids lend
- * would weigh p by the first layer of particles alone, and by how far off that is. psi falls from 1
- * to 0 between half a spacing and two and a half, so that its slope is that of a tent two spacings
- * wide: layers a spacing apart are one together, wherever they are, and no gap of a spacing counts.
+ * weight psi is 1 on a solid and 0 on all others, that is by Gauss's theorem the integral of the
+ * slope of psi p over the fluid, whatever the solid's shape. psi falls from 1 to 0 between half a
+ * spacing and two and a half, so that its slope is that of a tent two spacings wide, which points a
+ * spacing apart see as one together, wherever they are.
+ *
+ * The integral is a sum over points that lie evenly in the grid's cells. A sum over particles would
+ * not have what is missing of them below a face that looks down, where water hangs up to a spacing
+ * off, and the grid fills cells with its pressure however few they hold.
  */
 #ifndef PBF_PHYSICS_GRID_LOADS_H
 #define PBF_PHYSICS_GRID_LOADS_H
 
 #include "physics/loads.h"
+#include "physics/pressure_grid/grid.h"
 
 /* Solids farther away have no part in it. */
 PBF_FN double pbf_grid_load_reach(double spacing) { return 2.5 * spacing; }
@@ -117,6 +121,59 @@ PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, co
       share.change[j] *= solid < PBF_WALLS && j != solid / 2 ? 0 : -s->time_step;
     take(of[k].plane, share);
   }
+}
+
+/* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
+PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
+  const double points = (PBF_DIM == 2 ? 2 : 1) * ceil(1 / c->spacing - 1e-6);
+  return (int)pbf_greater(1, pbf_lesser(points, 32));
+}
+
+/* What of a cube of this width around x is free of solids, 0 to 1. Moves x out of the nearest. */
+template <class Obstacles, class Near>
+PBF_FN double grid_load_free_part(const Obstacles &o, const Near &near, double width, pbf_vec *x) {
+  double part = 1, nearest = 0.25 * width;
+  pbf_vec out = {{0}};
+  const auto meet = [&](int solid) {
+    pbf_vec normal;
+    const double distance = (double)solid_distance(o, solid, *x, &normal);
+    part *= pbf_greater(pbf_lesser(0.5 + distance / width, 1), 0);
+    if (distance >= nearest) return;
+    nearest = distance;
+    out = normal;
+  };
+  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) meet(wall);
+  near.each(o, [&](int k) { meet(PBF_WALLS + k); });
+  if (part > 0) *x = pbf_add_scaled(*x, (pbf_real)(0.25 * width - nearest), out);
+  return part;
+}
+
+/* A point of the cell that is the i-th along each axis. */
+PBF_FN pbf_vec grid_load_point(const pbf_pressure_grid *c, const int i[PBF_DIM], int point) {
+  const int points = grid_load_points(c);
+  pbf_vec x;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double at = (point % points + 0.5) / points;
+    x.c[k] = (pbf_real)(c->lower[k] + (i[k] - 1 + at) * c->width);
+    point /= points;
+  }
+  return x;
+}
+
+/* Calls take(plane, x, share) for each solid that the grid's pressure in the cube around a point
+ * presses on, as a particle that stands for it would. */
+template <class Obstacles, class Near, class Pressure, class Take>
+PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_pressure_grid *c,
+                                       const Obstacles &o, const Near &near, pbf_vec x,
+                                       Pressure pressure, Take take) {
+  const double width = c->width / grid_load_points(c);
+  const double part = grid_load_free_part(o, near, width, &x);
+  if (!(part > 0)) return;
+  const double particles = part * (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
+  share_grid_pressure(s, o, near, x, pressure, [&](const pbf_load_plane &plane, load_share share) {
+    for (int j = 0; j < PBF_DIM; ++j) share.change[j] *= particles;
+    take(plane, x, share);
+  });
 }
 
 }  // namespace

@@ -373,20 +373,22 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
   }
 }
 
-/* One that sleeps: what its lambda makes of the density of solids. */
+/* One that sleeps: what its lambda makes of the density of solids. What that of the grid makes of
+ * it is in the sum of all, and solids have it from the grid (grid_loads.h). */
 template <class Obstacles, class Near, class GridLambda>
 PBF_FN load_particle sleeping_load_particle(const pbf_constants *c, const pbf_load_scales *s,
                                             const Obstacles &o, const Near &near, load_particle of,
                                             GridLambda grid_lambda) {
-  if (of.has_grid) of.lambda += grid_lambda();
-  of.has_grid = false;
-  of.push = {{0}};
-  const pbf_real push = (pbf_real)(s->by_lambda * (double)of.lambda);
+  const double own = s->by_lambda * (double)of.lambda;
+  const double all = own + s->by_lambda * (of.has_grid ? (double)grid_lambda() : 0);
+  of.push = of.change = {{0}};
   pbf_load_plane planes[PBF_LOAD_PLANES];
   const int count = find_load_planes(c, o, near, of.x, (pbf_real)s->reach, planes);
-  for (int k = 0; k < count; ++k)
-    of.push = pbf_add_scaled(of.push, push * planes[k].slope, planes[k].normal);
-  of.change = of.push;
+  for (int k = 0; k < count; ++k) {
+    const pbf_load_plane &p = planes[k];
+    of.push = pbf_add_scaled(of.push, (pbf_real)own * p.slope, p.normal);
+    of.change = pbf_add_scaled(of.change, (pbf_real)all * p.slope, p.normal);
+  }
   return of;
 }
 

@@ -107,6 +107,29 @@ static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const
   }
 }
 
+/* What the pressure grid does to solids. */
+static inline void find_grid_loads(solver *s, const pbf_load_scales &scales,
+                                   const pbf_obstacles *o) {
+  const pbf_pressure_grid *c = &s->pressure_grid.grid;
+  int points = 1, i[PBF_DIM];
+  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
+  for (uint32_t cell = 0; cell < c->nodes; ++cell) {
+    pbf_pressure_grid_place(c, cell, i);
+    if (!pbf_cell_is_inside(c, i) || !pbf_pressure_grid_has_pressure(&s->pressure_grid, cell))
+      continue;
+    for (int point = 0; point < points; ++point)
+      share_grid_pressure_around(
+          &scales, c, *o, all_surfaces{}, grid_load_point(c, i, point),
+          [&](pbf_vec x, double slope[]) {
+            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x, slope);
+          },
+          [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
+            add_part(&s->load_tally->sums[plane.solid],
+                     load_part_beside(&scales, *o, x, plane, share), false);
+          });
+  }
+}
+
 static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const pbf_load_scales scales = pbf_load_scales_of(c, &forces, &s->params);
@@ -118,16 +141,6 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
                                  [&] { return grid_lambda_of(s, i); });
     add_change(s, scales.velocity, p.change);
     int last = -1;
-    if (p.has_grid)
-      share_grid_pressure(
-          &scales, *o, all_surfaces{}, p.x,
-          [&](pbf_vec x, double slope[]) {
-            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x, slope);
-          },
-          [&](const pbf_load_plane &plane, const load_share &share) {
-            add_part(&tally->sums[plane.solid], load_part_beside(&scales, *o, p.x, plane, share),
-                     false);
-          });
     p.has_grid = false;
     share_push(
         c, &scales, *o, all_surfaces{}, p, [] { return (pbf_real)0; },
@@ -137,6 +150,7 @@ static inline void find_loads(solver *s, const pbf_forces &forces, const pbf_obs
           if (part.touches) last = plane.solid;
         });
   }
+  if (has_grid_pressure(s)) find_grid_loads(s, scales, o);
   end_loads(tally, *o, &scales);
 }
 

@@ -234,9 +234,11 @@ static void check_raft(uint32_t precision, double angle, double time_step) {
   load_colliders(&s, 1, &load);
   assert_ok(pbf_step(s.solver, (uint32_t)(4 / time_step)));
   load_colliders(&s, 1, &load);
-  if (!(fabs(force(&load, 1) - lift) < skin))
-    fail_msg("the lift is %g, it must be %g to %g", force(&load, 1), lift, skin);
-  if (!(fabs(force(&load, 0)) < 0.05 * lift))
+  print_message("a raft turned by %g: lift %.3f, aside %.3f\n", angle, force(&load, 1) / lift,
+                force(&load, 0) / lift);
+  if (!(force(&load, 1) > 0.9 * lift && force(&load, 1) < lift + skin))
+    fail_msg("the lift is %g, it must be %g to %g", force(&load, 1), 0.9 * lift, lift + skin);
+  if (!(fabs(force(&load, 0)) < 0.03 * lift))
     fail_msg("it is pushed aside by %g of %g", force(&load, 0), lift);
   load_end(&s);
 }
@@ -278,12 +280,81 @@ static void bodies_are_buoyant_under_a_grid(void **state) {
   test_for_long_kinds(check_rafts);
 }
 
+/* ---- Under lids ----------------------------------------------------------------------------- */
+
+enum { HIGH_LAYERS = 20, LOW_LAYERS = 13, ROOM_WIDTH = 8 };
+
+/* Two rooms, with a wall between them that is thinner than a cell of the pressure grid. */
+static int load_in_rooms(const double x[3]) {
+  if (x[0] < ROOM_WIDTH * load_spacing) return 1;
+  return x[0] > (ROOM_WIDTH + 1) * load_spacing && x[1] < LOW_LAYERS * load_spacing;
+}
+
+/* Of the lowest particles of a room from x on that is so many layers deep. */
+static void check_pressure(load_scene *s, double x, uint32_t layers) {
+  char *pressures = calloc(s->count, s->precision);
+  double sum = 0, depths = 0;
+  assert_ok(pbf_get_positions(s->solver, 0, s->count, s->values));
+  assert_ok(pbf_get_pressures(s->solver, 0, s->count, pressures));
+  for (uint32_t i = 0; i < s->count; ++i) {
+    const double from = test_value(s->values, (uint64_t)i * s->dimension, s->precision) - x;
+    const double y = test_value(s->values, (uint64_t)i * s->dimension + 1, s->precision);
+    if (from < 0 || from > ROOM_WIDTH * load_spacing || y > load_spacing) continue;
+    sum += test_value(pressures, i, s->precision);
+    depths += layers * load_spacing - y;
+  }
+  check_near("the pressure at the bottom", sum, load_gravity * depths, 0.05);
+  free(pressures);
+}
+
+/* Both are full: one up to the domain's wall, the other up to a box, where cells do not end. Lids
+ * that fluid only just comes up to bear nothing, and all of it is on the floor. */
+static void check_lids(uint32_t dimension, uint32_t precision) {
+  const double wide = ROOM_WIDTH * load_spacing, deep = 4 * load_spacing;
+  const double size[3] = {2 * wide + load_spacing, HIGH_LAYERS * load_spacing, deep};
+  const double low = LOW_LAYERS * load_spacing, room = 0.5 * (size[1] - low);
+  pbf_params params = load_params(dimension, size);
+  pbf_collider solids[2] = {
+      load_collider(PBF_COLLIDER_BOX, wide + 0.5 * load_spacing, 0.5 * size[1], 0.5 * deep),
+      load_collider(PBF_COLLIDER_BOX, 1.5 * wide + load_spacing, low + room, 0.5 * deep)};
+  pbf_collider_load walls[6], lids[2];
+  params.pressure_grid = 2;
+  params.time_step = 1.0 / 60;
+  for (int k = 0; k < 3; ++k) solids[0].half_extents[k] = k ? 2 * size[k] : 0.5 * load_spacing;
+  for (int k = 0; k < 3; ++k) solids[1].half_extents[k] = k == 1 ? room : size[k];
+  solids[1].half_extents[0] = 0.5 * wide;
+  load_scene s = load_scene_of(dimension, precision, &params, size, load_in_rooms, 2, solids);
+  const double weight = s.count * s.mass * load_gravity;
+  assert_ok(pbf_step(s.solver, 120));
+  load_walls(&s, walls);
+  load_colliders(&s, 2, lids);
+  assert_ok(pbf_step(s.solver, 60));
+  load_walls(&s, walls);
+  load_colliders(&s, 2, lids);
+  const double top = force(&walls[PBF_WALL_Y_MAX], 1), lid = force(&lids[1], 1);
+  print_message("under lids: the wall bears %.3f, the box %.3f of the weight\n", top / weight,
+                lid / weight);
+  check_near("the wall above", weight + top, weight, 0.02);
+  check_near("the box above", weight + lid, weight, 0.02);
+  check_near("all that bears", -force(&walls[PBF_WALL_Y_MIN], 1) - force(&lids[0], 1), weight,
+             0.02);
+  check_pressure(&s, 0, HIGH_LAYERS);
+  check_pressure(&s, (ROOM_WIDTH + 1) * load_spacing, LOW_LAYERS);
+  load_end(&s);
+}
+
+static void lids_bear_nothing(void **state) {
+  (void)state;
+  test_skip_if_watched();
+  test_for_each_kind(check_lids);
+}
+
+/* What comes at a plate and flows off along it leaves all of its momentum across: rho Q v each time
+ * unit, all of it in the end. */
 /* ---- A jet ---------------------------------------------------------------------------------- */
 
 static int in_jet(const double x[3]) { return x[1] > 0.8 && x[1] < 1.2; }
 
-/* What comes at a plate and flows off along it leaves all of its momentum across: rho Q v each time
- * unit, all of it in the end. */
 static void check_jet(uint32_t dimension, uint32_t precision) {
   if (dimension != 2) return;
   const double speed = 2, domain[3] = {3, 2, 1}, size[3] = {1, 2, 1};
@@ -563,6 +634,7 @@ int main(void) {
       cmocka_unit_test(halves_of_a_floor_share_it),
       cmocka_unit_test(bodies_are_buoyant),
       cmocka_unit_test(bodies_are_buoyant_under_a_grid),
+      cmocka_unit_test(lids_bear_nothing),
       cmocka_unit_test(a_jet_pushes_a_plate),
       cmocka_unit_test(a_channel_drags_its_walls_along),
       cmocka_unit_test(solids_get_what_the_fluid_loses),

@@ -17,11 +17,11 @@
 typedef struct pbf_pressure_datum {
   const pbf_pressure_grid *grid;
   const pbf_pressure_grid_topology *topology;
-  const int64_t *sums, *places;     /* of cells */
-  const double *free_volumes;       /* of cells */
-  const double *inverse;            /* of nodes */
-  double *lambda;                   /* of nodes */
-  int64_t *bodies;                  /* of nodes: a node of the same body */
+  const int64_t *sums, *places; /* of cells */
+  const double *free_volumes;   /* of cells */
+  const double *inverse;        /* of nodes */
+  double *lambda;               /* of nodes */
+  int64_t *bodies;              /* of nodes: a node of the same body */
   int64_t *least; /* of a body's lowest node: the bits of its least pressure, or INT64_MAX */
 } pbf_pressure_datum;
 
@@ -81,8 +81,7 @@ PBF_FN void pbf_datum_begin(const pbf_pressure_datum *d, uint32_t index) {
 
 PBF_FN int pbf_datum_is_solved(const pbf_pressure_datum *d, uint32_t node) {
   const pbf_pressure_grid_topology *t = d->topology;
-  return t->surface_count ? pbf_pressure_grid_is_solved(t, d->inverse, node)
-                          : d->inverse[node] > 0;
+  return t->surface_count ? pbf_pressure_grid_is_solved(t, d->inverse, node) : d->inverse[node] > 0;
 }
 
 /* Once all have begun. */
