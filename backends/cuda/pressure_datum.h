@@ -60,6 +60,15 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
 }
 
+/* What is behind the last node is read by the next solve, and must be a number. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    clear_datum_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                       const __grid_constant__ pressure_grid_arrays a, uint32_t indices) {
+  const uint32_t index = thread_index();
+  const pbf_pressure_datum d = pressure_datum_of(grid, a);
+  if (index < indices) d.bodies[index] = d.least[index] = 0;
+}
+
 /* Once no more particle is moved by the grid. */
 static inline void find_datum(const solver *s) {
   const pbf_pressure_grid &grid = s->pressure_grid;
@@ -70,6 +79,7 @@ static inline void find_datum(const solver *s) {
   join_bodies_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   note_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   end_datum_kernel<<<blocks_for(grid.nodes + torn), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  clear_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays, indices);
 }
 
 #endif
