@@ -16,8 +16,7 @@
 namespace view {
 namespace {
 
-constexpr double film_rate = 60;  // pictures a second
-constexpr int finer = 2;          // smooth edges
+constexpr int finer = 2;  // smooth edges
 
 using Clock = std::chrono::steady_clock;
 

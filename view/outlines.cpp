@@ -9,13 +9,13 @@ namespace {
 
 using bench::Vector;
 
-const char *const vertex_shader = R"(#version 330 core
+const char *const outline_vertex_shader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 to_eye, projection;
 void main() { gl_Position = projection * (to_eye * vec4(position, 1)); }
 )";
 
-const char *const fragment_shader = R"(#version 330 core
+const char *const outline_fragment_shader = R"(#version 330 core
 uniform vec3 color;
 out vec4 pixel;
 void main() { pixel = vec4(color, 1); }
@@ -127,7 +127,7 @@ void outline(Lines &lines, const pbf_collider &collider, bool flat) {
 
 }  // namespace
 
-Outlines::Outlines() : program_(vertex_shader, fragment_shader) {
+Outlines::Outlines() : program_(outline_vertex_shader, outline_fragment_shader) {
   glGenVertexArrays(1, &array_);
   glGenBuffers(1, &buffer_);
   glBindVertexArray(array_);

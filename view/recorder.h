@@ -9,6 +9,8 @@
 
 namespace view {
 
+inline constexpr double film_rate = 60;  // pictures a second
+
 class Recorder {
  public:
   // A path with an ending, as water.mp4, is a video, which ffmpeg writes, at `rate` pictures a

@@ -5,7 +5,7 @@
 namespace view {
 namespace {
 
-const char *const vertex_shader = R"(#version 330 core
+const char *const sphere_vertex_shader = R"(#version 330 core
 layout(location = 0) in vec4 particle;
 uniform mat4 to_eye, projection;
 uniform float radius, height, top;
@@ -25,7 +25,7 @@ void main() {
 }
 )";
 
-const char *const fragment_shader = R"(#version 330 core
+const char *const sphere_fragment_shader = R"(#version 330 core
 flat in vec3 color;
 flat in float depth, thickness;
 out vec4 pixel;
@@ -44,7 +44,7 @@ void main() {
 
 }  // namespace
 
-Spheres::Spheres() : program_(vertex_shader, fragment_shader) {
+Spheres::Spheres() : program_(sphere_vertex_shader, sphere_fragment_shader) {
   glGenVertexArrays(1, &array_);
   glGenBuffers(1, &buffer_);
   glBindVertexArray(array_);

@@ -18,8 +18,6 @@
 namespace view {
 namespace {
 
-constexpr double film_rate = 60;  // pictures a second
-
 using bench::Error;
 
 std::string &reason() {
