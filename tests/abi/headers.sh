@@ -10,21 +10,27 @@ for header in $headers; do
   cp "$folder/$header.c" "$folder/$header.cpp"
 done
 tried=0
-check() { # compiler, standard, ending
+for header in $headers; do echo "#include <pbf/$header>"; done >"$folder/all_of_them.c"
+echo 'int main(void) { return (int)(PBF_OK); }' >>"$folder/all_of_them.c"
+cp "$folder/all_of_them.c" "$folder/all_of_them.cpp"
+check() { # compiler, standard, ending, headers
   command -v "$1" >/dev/null || return 0
-  for header in $headers; do
+  for header in $4; do
     "$1" "-std=$2" -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only -I"$include" "$folder/$header.$3"
   done
   tried=$((tried + 1))
 }
-# Between the oldest and the newest of each language there is little that only one of them takes.
-c="c99 c17" cpp="c++11 c++20"
-if [ -n "${PBF_TEST_LONG-}" ]; then c="c99 c11 c17" cpp="c++11 c++14 c++17 c++20"; fi
-for standard in $c; do
-  for compiler in gcc clang; do check $compiler $standard c; done
+# Whether a header includes what it needs is the same in all standards: each alone in the oldest of a language, by one compiler,
+# and all in one unit in every standard, by every compiler; at length each alone everywhere.
+check gcc c99 c "$headers"
+check g++ c++11 cpp "$headers"
+units=all_of_them
+if [ -n "${PBF_TEST_LONG-}" ]; then units=$headers; fi
+for standard in c99 c11 c17; do
+  for compiler in gcc clang; do check $compiler $standard c "$units"; done
 done
-for standard in $cpp; do
-  for compiler in g++ clang++; do check $compiler $standard cpp; done
+for standard in c++11 c++14 c++17 c++20; do
+  for compiler in g++ clang++; do check $compiler $standard cpp "$units"; done
 done
 # The C++ wrapper: C++17 and later, with exceptions and without.
 printf '#include <pbf/pbf.hpp>\n#include <pbf/pbf.hpp>\nint main() { return pbf::solver::create().ok() ? 0 : 1; }\n' >"$folder/wrapper.cpp"
