@@ -31,6 +31,14 @@ static int meet_others(thread_ranks *all) {
   return ok;
 }
 
+/* Those that wait end at once, as where a connection is lost. */
+static void tell_of_a_death(thread_ranks *all) {
+  pthread_mutex_lock(&all->lock);
+  all->failed = 1;
+  pthread_cond_broadcast(&all->all_here);
+  pthread_mutex_unlock(&all->lock);
+}
+
 static pbf_status fail(thread_rank *me, const char *why) {
   snprintf(me->reason, sizeof me->reason, "%s", why);
   return PBF_ERROR_UNAVAILABLE;
@@ -38,7 +46,10 @@ static pbf_status fail(thread_rank *me, const char *why) {
 
 /* Shows the others something, which they may look at until `end`. */
 static pbf_status begin(thread_rank *me, const void *shown, uint32_t count) {
-  if (me->dies_after && ++me->calls > me->dies_after) return fail(me, "this rank is dead");
+  if (me->dies_after && ++me->calls > me->dies_after) {
+    tell_of_a_death(me->all);
+    return fail(me, "this rank is dead");
+  }
   me->all->shown[me->rank] = shown;
   me->all->shown_count[me->rank] = count;
   return meet_others(me->all) ? PBF_OK : fail(me, "a rank has not answered");
@@ -149,8 +160,7 @@ static void *call(void *context) {
 
 void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *shares,
                       const uint64_t *dies_after, thread_rank_fn function, void *context) {
-  static const double patience = 20, of_the_dying = 2;
-  thread_ranks all = {.count = count, .patience = dies_after ? of_the_dying : patience};
+  thread_ranks all = {.count = count, .patience = 20};
   thread_call calls[MAX_THREAD_RANKS];
   pthread_t threads[MAX_THREAD_RANKS];
   pthread_mutex_init(&all.lock, NULL);
