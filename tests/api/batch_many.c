@@ -85,7 +85,7 @@ static void check_many(uint32_t dimension, uint32_t precision) {
 
 static void bits_are_those_of_a_world_alone(void **state) {
   (void)state;
-  test_for_each_kind(check_many);
+  test_for_long_kinds(check_many);
 }
 
 /* What is done to a world between the batch's steps comes after those before it, and before those
@@ -126,7 +126,7 @@ static void check_changes(uint32_t dimension, uint32_t precision) {
 
 static void changes_come_in_their_turn(void **state) {
   (void)state;
-  test_for_each_kind(check_changes);
+  test_for_long_kinds(check_changes);
 }
 
 /* A batch may end while its steps are under way. */

@@ -7,7 +7,7 @@
 
 #include "cpu_support.h"
 
-enum { COUNT = 2000, STEPS = 6, MOST_WORKERS = 3, MEMBERS = 4 };
+enum { COUNT = TEST_INSTRUMENTED ? 500 : 2000, STEPS = 6, MOST_WORKERS = 3, MEMBERS = 4 };
 
 /* ---- A small task system ------------------------------------------------------------------- */
 
