@@ -15,7 +15,7 @@ build() {
     -DPBF_WERROR=ON -DPBF_STATIC=ON -DPBF_BACKENDS=serial -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" \
     "-DPBF_WITHOUT=$2" -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_EXAMPLES=OFF -DPBF_BUILD_TESTS=ON
   quiet "$cmake" --build "$folder/$1" --parallel 2 --target pbf "$3"
-  (cd "$folder/$1" && quiet "$ctest" -L "$4" --output-on-failure)
+  (cd "$folder/$1" && quiet "$ctest" -L "$4" -E "$often" --output-on-failure)
   grep -E 'tests passed|Skipped' "$folder/log"
 }
 
@@ -29,6 +29,10 @@ link() {
   fi
   strip "$program"
 }
+
+# Of the API's tests those that count memory over thousands of solvers, and follow sleepers, only at length.
+often='^api\.(cycles|locale|sleep)\.'
+[ -z "${PBF_TEST_LONG-}" ] || often='^$'
 
 build all "" api_tests 'api|trim|install'
 build few "$features" test_trim_without trim
