@@ -44,7 +44,7 @@ static void all_in_one_cell(void **state) {
 /* A second step that needs more memory than there is leaves everything as it was, and succeeds
  * once there is some. */
 static void growth_that_fails(const char *backend, uint32_t threads) {
-  enum { COUNT = TEST_INSTRUMENTED ? 1000 : 3000 };
+  enum { COUNT = TEST_INSTRUMENTED ? 500 : 3000 };
   char wanted[64];
   snprintf(wanted, sizeof wanted, "neighbours of %d particles", COUNT);
   pbf_params params = test_params();
@@ -94,7 +94,7 @@ static void growth_fails_in_threads(void **state) {
 /* Positions of adding order, far from sorted: the sort by threads takes any. */
 static void backwards_and_shuffled(void **state) {
   (void)state;
-  enum { COUNT = 20000 };
+  enum { COUNT = TEST_INSTRUMENTED ? 4000 : 20000 };
   pbf_params params = test_params();
   static const char *const backends[] = {"serial", "openmp", "threads"};
   uint64_t hashes[3];
