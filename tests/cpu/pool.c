@@ -17,7 +17,7 @@
 
 #include "cpu_support.h"
 
-enum { COUNT = TEST_INSTRUMENTED ? 500 : 2000, STEPS = 6 };
+enum { COUNT = 2000, STEPS = 6 };
 
 static pbf_solver *make(const char *backend, uint32_t threads) {
   pbf_desc desc = cpu_desc(backend, 3, PBF_FLOAT32, COUNT, threads);
