@@ -61,16 +61,19 @@ static inline int pbf_features_of(const pbf_params *params) {
 enum { PBF_ON_GPU = 1 };
 #define PBF_IN __host__ __device__ __forceinline__
 #define PBF_FN static __host__ __device__ __forceinline__
-#define PBF_UNROLLED _Pragma("unroll")
 #define PBF_FN_APART PBF_FN
 #define PBF_FN_SELDOM static __host__ __device__ __noinline__ __attribute__((unused))
 #else
 enum { PBF_ON_GPU = 0 };
 #define PBF_IN inline __attribute__((always_inline))
 #define PBF_FN static inline __attribute__((always_inline, unused))
-#define PBF_UNROLLED
 #define PBF_FN_APART static inline __attribute__((noinline, unused))
 #define PBF_FN_SELDOM PBF_FN_APART
+#endif
+#ifdef __CUDA_ARCH__
+#define PBF_UNROLLED _Pragma("unroll")
+#else
+#define PBF_UNROLLED
 #endif
 
 #endif
