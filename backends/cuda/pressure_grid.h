@@ -26,7 +26,8 @@ struct pressure_grid_arrays {
   double *free_volumes;              /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
-  float *coarse;    /* of the levels of the solve (pressure_grid_levels.h) */
+  float *missing;   /* of nodes, before a correction from the levels of the solve, … */
+  float *coarse;    /* … and what these have (pressure_grid_levels.h) */
   uint8_t *moves;   /* of nodes: whether they are moved by these */
   pbf_pressure_grid_topology topology; /* of thin solids */
 };
@@ -39,7 +40,8 @@ static inline uint64_t pressure_grid_coarse_words(uint32_t capacity) {
 
 static inline uint64_t pressure_grid_bytes(uint32_t capacity) {
   return sizeof(pressure_grid_control) + pressure_grid_coarse_words(capacity) * sizeof(float) +
-         pbf_pressure_grid_max_nodes(capacity) * (8 * sizeof(double) + sizeof(uint32_t) + 1);
+         pbf_pressure_grid_max_nodes(capacity) *
+             (8 * sizeof(double) + sizeof(uint32_t) + sizeof(float) + 1);
 }
 
 /* Behind the topology are the colliders that it is of, if they are few. */
@@ -77,7 +79,8 @@ static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_
                              &a.inverse,      &a.lambda, &a.before};
   for (double **array : arrays) *array = next += limit;
   a.inside = reinterpret_cast<uint32_t *>(next + limit);
-  a.coarse = reinterpret_cast<float *>(a.inside + limit);
+  a.missing = reinterpret_cast<float *>(a.inside + limit);
+  a.coarse = a.missing + limit;
   a.moves = reinterpret_cast<uint8_t *>(a.coarse + pressure_grid_coarse_words(capacity));
   a.topology = pbf_pressure_grid_topology_in(nullptr, 0, 0);
   return a;

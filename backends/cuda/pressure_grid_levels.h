@@ -18,7 +18,8 @@ struct pressure_grid_levels {
   pbf_coarse_level of[PBF_COARSE_LEVELS];
   float *memory; /* of all of them, */
   uint64_t words;
-  uint8_t *moves; /* of the grid's nodes: whether corrections move lambda there */
+  pbf_coarse_level finest; /* the grid: what is missing is its right side */
+  uint8_t *moves;          /* of its nodes: whether corrections move lambda there */
 };
 
 /* Numbers of the levels from l on, which lie one behind the other. */
@@ -36,8 +37,14 @@ static inline pressure_grid_levels pressure_grid_levels_in(const pressure_grid_a
   const int *n = grid.n;
   float *next = levels.memory = a.coarse;
   const uint64_t room = pressure_grid_coarse_words(capacity);
-  levels.moves = a.moves;
   if (pbf_most_cells(n) < PRESSURE_GRID_LEVELS_FROM) return levels;
+  levels.moves = a.moves;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    levels.finest.n[k] = grid.n[k];
+    levels.finest.stride[k] = grid.corner[1u << k];
+  }
+  levels.finest.nodes = grid.nodes;
+  levels.finest.right = a.missing;
   while (pbf_most_cells(n) > PBF_COARSEST_CELLS && levels.count < PBF_COARSE_LEVELS) {
     pbf_coarse_level *level = &levels.of[levels.count++];
     *level = pbf_coarse_level_of(n);
@@ -94,12 +101,26 @@ static __device__ __forceinline__ void each_place(const Team &team, const pbf_co
 
 /* ---- Levels --------------------------------------------------------------------------------- */
 
-/* A level's stencils from the one before, whose rows `row_of` gives: a lane for each of the finer
- * nodes around a node. */
-template <class Row>
-static __device__ __forceinline__ void find_stencils(const pbf_coarse_level &level, const int *n,
-                                                     const uint32_t *strides, Row row_of) {
+/* The row of a node of the grid, or of a level that is not the first; false where there is none. */
+static __device__ __forceinline__ bool row_of(const pbf_pressure_grid &grid,
+                                              const pressure_grid_arrays &a,
+                                              const pressure_grid_levels &levels, int finer,
+                                              uint32_t node, pbf_coarse_row *row) {
+  if (finer >= 0) {
+    *row = pbf_row_of_level(&levels.of[finer], node);
+    return true;
+  }
+  if (!levels.moves[node]) return false;
+  *row = pbf_row_of_grid(&grid, a.free_volumes, a.inverse, levels.moves, node);
+  return true;
+}
+
+/* The stencils of level l from the one before: a lane for each of the finer nodes around a node. */
+static __device__ __forceinline__ void find_stencils(const pbf_pressure_grid &grid,
+                                                     const pressure_grid_arrays &a,
+                                                     const pressure_grid_levels &levels, int l) {
   constexpr uint32_t LANES = PBF_DIM == 3 ? 32 : 16, NODES = 32 / LANES;
+  const pbf_coarse_level &level = levels.of[l], &finer = l > 0 ? levels.of[l - 1] : levels.finest;
   const uint32_t lane = threadIdx.x % LANES, in_warp = threadIdx.x % 32 / LANES;
   const uint32_t warps = gridDim.x * PRESSURE_GRID_THREADS / 32;
   for (uint32_t base = thread_index() / 32 * NODES; base < level.nodes; base += warps * NODES) {
@@ -108,10 +129,11 @@ static __device__ __forceinline__ void find_stencils(const pbf_coarse_level &lev
     const bool has = pbf_coarse_place(&level, node, at);
     pbf_coarse_row row = {};
     if (has && lane < PBF_AROUND) {
-      const pbf_finer_node finer = pbf_finer_node_of(at, (int)lane, n);
+      const pbf_finer_node around = pbf_finer_node_of(at, (int)lane, finer.n);
       uint32_t index = 0;
-      for (int k = 0; k < PBF_DIM; ++k) index += (uint32_t)finer.at[k] * strides[k];
-      if (finer.weight > 0 && row_of(index, &row)) row = pbf_galerkin_part(at, &finer, n, row);
+      for (int k = 0; k < PBF_DIM; ++k) index += (uint32_t)around.at[k] * finer.stride[k];
+      if (around.weight > 0 && row_of(grid, a, levels, l - 1, index, &row))
+        row = pbf_galerkin_part(at, &around, finer.n, row);
     }
 #pragma unroll
     for (uint32_t k = 0; k < PBF_STENCIL; ++k) {
@@ -124,8 +146,7 @@ static __device__ __forceinline__ void find_stencils(const pbf_coarse_level &lev
 }
 
 template <class Team>
-static __device__ __forceinline__ void find_inverses(const Team &team,
-                                                     const pbf_coarse_level &level) {
+static __device__ __noinline__ void find_inverses(const Team &team, const pbf_coarse_level &level) {
   each_index(team, level, [&](uint32_t node) {
     int at[PBF_DIM];
     if (pbf_coarse_place(&level, node, at)) level.inverse[node] = pbf_coarse_inverse(&level, node);
@@ -139,27 +160,17 @@ static __device__ __forceinline__ void find_levels(const shared_by_all &all,
                                                    const pressure_grid_levels &levels,
                                                    const double *now) {
   for (uint64_t k = all.first(); k < levels.words; k += all.stride()) levels.memory[k] = 0;
-  for (uint32_t node = all.first(); node < grid.nodes; node += all.stride())
+  for (uint32_t node = all.first(); node < grid.nodes; node += all.stride()) {
     levels.moves[node] = a.inverse[node] > 0 && now[node] < 0;
-  all.meet();
-  uint32_t strides[PBF_DIM];
-  for (int k = 0; k < PBF_DIM; ++k) strides[k] = grid.corner[1u << k];
-  find_stencils(levels.of[0], grid.n, strides, [&](uint32_t node, pbf_coarse_row *row) {
-    if (!levels.moves[node]) return false;
-    *row = pbf_row_of_grid(&grid, a.free_volumes, a.inverse, levels.moves, node);
-    return true;
-  });
-  all.meet();
-  for (int l = 1; l < levels.count; ++l) {
-    const pbf_coarse_level &finer = levels.of[l - 1];
-    find_inverses(all, finer);
-    find_stencils(levels.of[l], finer.n, finer.stride, [&](uint32_t node, pbf_coarse_row *row) {
-      *row = pbf_row_of_level(&finer, node);
-      return true;
-    });
-    all.meet();
+    levels.finest.right[node] = 0;
   }
-  find_inverses(all, levels.of[levels.count - 1]);
+  all.meet();
+#pragma unroll 1
+  for (int l = 0; l < levels.count; ++l) {
+    find_stencils(grid, a, levels, l);
+    all.meet();
+    find_inverses(all, levels.of[l]);
+  }
   all.meet();
 }
 
@@ -167,8 +178,8 @@ static __device__ __forceinline__ void find_levels(const shared_by_all &all,
 
 /* An even number of iterations ends in `now`. */
 template <class Team>
-static __device__ __forceinline__ void smooth_level(const Team &team, const pbf_coarse_level &level,
-                                                    pbf_pressure_grid_solve solve, int iterations) {
+static __device__ __noinline__ void smooth_level(const Team &team, const pbf_coarse_level &level,
+                                                 pbf_pressure_grid_solve solve, int iterations) {
   float *now = level.now, *before = level.before;
   for (int k = 0; k < iterations; ++k) {
     each_index(team, level, [&](uint32_t node) {
@@ -185,8 +196,8 @@ static __device__ __forceinline__ void smooth_level(const Team &team, const pbf_
 
 /* What is missing on a level, from the one before. */
 template <class Team>
-static __device__ __forceinline__ void descend(const Team &team, const pbf_coarse_level &finer,
-                                               const pbf_coarse_level &level) {
+static __device__ __noinline__ void descend(const Team &team, const pbf_coarse_level &finer,
+                                            const pbf_coarse_level &level) {
   each_place(team, level, [&](uint32_t node, const int *at) {
     level.right[node] = pbf_restricted(at, finer.n, finer.stride,
                                        [&](uint32_t other) { return finer.right[other]; });
@@ -262,56 +273,70 @@ static __device__ __forceinline__ void correct(const shared_by_all &all,
 
 /* ---- The solve ------------------------------------------------------------------------------ */
 
-/* Iterations of the grid between two corrections; false when nothing is missing any more. */
-static __device__ __forceinline__ bool smooth_grid(
-    pressure_grid_iterations<pressure_grid_in_memory> *grid, double enough) {
+using levels_iterations = pressure_grid_iterations<pressure_grid_in_memory>;
+
+/* Iterations of the grid before and after a correction; whether nothing is missing any more. */
+static __device__ __forceinline__ bool smooth_grid(levels_iterations *iterations, double enough) {
   pbf_pressure_grid_solve solve = pbf_finest_smoothing(enough);
   bool over = false;
-  for (int k = 0; k < PBF_SMOOTHINGS; ++k) over = grid->iterate(&solve, k);
-  return !over;
+#pragma unroll 1
+  for (int k = 0; k < PBF_SMOOTHINGS; ++k) over = iterations->iterate(&solve, k);
+  return over;
+}
+
+/* What is missing at nodes that move, and on the first level. */
+static __device__ __forceinline__ void find_missing(const shared_by_all &all,
+                                                    levels_iterations *iterations,
+                                                    const pressure_grid_levels &levels,
+                                                    double largest) {
+  const double *now = iterations->now;
+  iterations->each([&](const pressure_grid_equation &e) {
+    double missing = 0;
+    if (levels.moves[e.node] && now[e.node] < 0)
+      missing =
+          pbf_pressure_grid_residual(&iterations->grid, e.around, now, e.right, e.inverse, e.node);
+    levels.finest.right[e.node] = (float)(missing / largest);
+  });
+  all.meet();
+  descend(all, levels.finest, levels.of[0]);
+}
+
+static __device__ __forceinline__ void add_correction(const shared_by_all &all,
+                                                      levels_iterations *iterations,
+                                                      const pressure_grid_levels &levels,
+                                                      double largest) {
+  iterations->each([&](const pressure_grid_equation &e) {
+    int at[PBF_DIM];
+    pbf_pressure_grid_place(&iterations->grid, e.node, at);
+    const double change =
+        levels.moves[e.node] ? largest * pbf_interpolated(&levels.of[0], at, levels.of[0].now) : 0;
+    const double lambda = pbf_lesser(iterations->now[e.node] + change, 0);
+    iterations->before[e.node] = iterations->now[e.node] = lambda;
+  });
+  all.meet();
 }
 
 static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS, 1)
     pressure_grid_levels_kernel(const __grid_constant__ pbf_pressure_grid grid,
                                 const __grid_constant__ pressure_grid_arrays a,
                                 const __grid_constant__ pressure_grid_levels levels) {
+  __shared__ levels_of_block kept;
   const double largest = __longlong_as_double((long long)a.control->largest);
   const int longest = pbf_pressure_grid_source_scale_of(&grid, &a.control->extent).longest;
   const pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(longest, largest);
   if (solve.max_iterations == 0) return;
-  pressure_grid_iterations<pressure_grid_in_memory> iterations(grid, a);
+  levels_iterations iterations(grid, a);
   const shared_by_all all = {&iterations.lambda};
-  bool goes_on = smooth_grid(&iterations, solve.enough);
-  __shared__ levels_of_block kept;
-  if (goes_on) find_levels(all, grid, a, levels, iterations.now);
-  if (goes_on && blockIdx.x == 0) keep_levels(levels, &kept);
-  for (int k = 0; goes_on && k < PBF_MAX_CORRECTIONS; ++k) {
-    double *now = iterations.now, *missing = iterations.before;
-    iterations.each([&](const pressure_grid_equation &e) {
-      missing[e.node] =
-          levels.moves[e.node] && now[e.node] < 0
-              ? pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.inverse, e.node)
-              : 0;
-    });
-    all.meet();
-    const pbf_coarse_level &first = levels.of[0];
-    uint32_t strides[PBF_DIM];
-    for (int axis = 0; axis < PBF_DIM; ++axis) strides[axis] = grid.corner[1u << axis];
-    each_place(all, first, [&](uint32_t node, const int *at) {
-      first.right[node] = pbf_restricted(
-          at, grid.n, strides, [&](uint32_t other) { return (float)(missing[other] / largest); });
-    });
-    all.meet();
+  double enough = solve.enough;
+  for (int k = 0; !smooth_grid(&iterations, enough) && k < PBF_MAX_CORRECTIONS; ++k) {
+    if (k == 0) {
+      find_levels(all, grid, a, levels, iterations.now);
+      if (blockIdx.x == 0) keep_levels(levels, &kept);
+      enough = PBF_CORRECTED_ENOUGH * solve.enough;
+    }
+    find_missing(all, &iterations, levels, largest);
     correct(all, levels, kept);
-    iterations.each([&](const pressure_grid_equation &e) {
-      int at[PBF_DIM];
-      pbf_pressure_grid_place(&grid, e.node, at);
-      const double change =
-          levels.moves[e.node] ? largest * pbf_interpolated(&first, at, first.now) : 0;
-      missing[e.node] = now[e.node] = pbf_lesser(now[e.node] + change, 0);
-    });
-    all.meet();
-    goes_on = smooth_grid(&iterations, PBF_CORRECTED_ENOUGH * solve.enough);
+    add_correction(all, &iterations, levels, largest);
   }
   iterations.lambda.end(a, iterations.now, iterations.count);
 }

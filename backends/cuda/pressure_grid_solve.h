@@ -9,10 +9,7 @@
 
 #include "cuda/pressure_grid.h"
 
-enum {
-  PRESSURE_GRID_THREADS = 512,
-  PRESSURE_GRID_KEPT = 3 /* nodes of a thread whose equations stay in registers */
-};
+enum { PRESSURE_GRID_THREADS = 512 };
 
 /* A block's nodes first … end - 1, in `size` indices: all have the same. Nodes that are farther
  * apart than `reach` have no cell in common. */
@@ -84,7 +81,8 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
  */
 
 struct pressure_grid_in_memory {
-  static constexpr bool TORN = true; /* whether there may be torn nodes */
+  static constexpr bool TORN = true;  /* whether there may be torn nodes */
+  static constexpr uint32_t KEPT = 1; /* nodes of a thread whose equations stay in registers */
   grid_counter *barrier;
   uint32_t meetings, misses;
 
@@ -136,6 +134,7 @@ static inline __host__ __device__ uint32_t pressure_grid_length(uint32_t size, u
 
 struct pressure_grid_in_cluster {
   static constexpr bool TORN = false;
+  static constexpr uint32_t KEPT = 3;
   pressure_grid_part part;
   uint32_t *misses; /* in shared memory: two that take turns */
   uint32_t asked_so_far;
@@ -224,7 +223,7 @@ struct pressure_grid_iterations {
   const uint32_t count;
   Lambda lambda;
   double *now, *before;
-  pressure_grid_equation kept[PRESSURE_GRID_KEPT];
+  pressure_grid_equation kept[Lambda::KEPT];
 
   __device__ __forceinline__ pressure_grid_iterations(const pbf_pressure_grid &grid,
                                                       const pressure_grid_arrays &a)
@@ -235,7 +234,7 @@ struct pressure_grid_iterations {
         lambda(a, part) {
     lambda.begin(grid, a, &now, &before);
 #pragma unroll
-    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q) {
+    for (uint32_t q = 0; q < Lambda::KEPT; ++q) {
       uint32_t k = threadIdx.x + q * PRESSURE_GRID_THREADS;
       if (k < count) kept[q] = equation_of(grid, a, a.inside[part.first + k]);
     }
@@ -245,9 +244,9 @@ struct pressure_grid_iterations {
   template <class Visit>
   __device__ __forceinline__ void each(Visit visit) const {
 #pragma unroll
-    for (uint32_t q = 0; q < PRESSURE_GRID_KEPT; ++q)
+    for (uint32_t q = 0; q < Lambda::KEPT; ++q)
       if (threadIdx.x + q * PRESSURE_GRID_THREADS < count) visit(kept[q]);
-    for (uint32_t i = threadIdx.x + PRESSURE_GRID_KEPT * PRESSURE_GRID_THREADS; i < count;
+    for (uint32_t i = threadIdx.x + Lambda::KEPT * PRESSURE_GRID_THREADS; i < count;
          i += PRESSURE_GRID_THREADS)
       visit(equation_of(grid, a, a.inside[part.first + i]));
   }
