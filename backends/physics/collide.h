@@ -139,6 +139,14 @@ PBF_FN_APART int pbf_find_contact(const Surface *s, pbf_real push, int with_obst
                                      : pbf_find_contact_on_way(s, push, start, x, contact);
 }
 
+/* The same, where it is asked for seldom and from many places. */
+template <class Surface>
+PBF_FN_SELDOM int pbf_find_contact_seldom(const Surface *s, pbf_real push, int with_obstacle_motion,
+                                          const pbf_vec &from, const pbf_vec &x,
+                                          pbf_contact *contact) {
+  return pbf_find_contact(s, push, with_obstacle_motion, from, x, contact);
+}
+
 PBF_FN int pbf_find_wall_contact(const pbf_domain *domain, int wall, pbf_vec x,
                                  pbf_contact *contact) {
   const pbf_real distance = pbf_wall_distance(domain, wall, x);
@@ -211,7 +219,8 @@ struct collision {
     surfaces->each([&](const auto &s) {
       pbf_contact contact;
       const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
-      if (pbf_find_contact(&s, out, with_obstacle_motion, from, x, &contact) & PBF_IN_THE_WAY)
+      if (pbf_find_contact_seldom(&s, out, with_obstacle_motion, from, x, &contact) &
+          PBF_IN_THE_WAY)
         visit(contact, s.rounding, push ? way_by(s) : 0);
     });
     for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
@@ -255,7 +264,7 @@ struct collision {
       surfaces->each([&](const auto &s) {
         pbf_contact contact;
         if (stays || pbf_surface_is_unbounded(&s)) return;
-        if (!pbf_find_contact(&s, 0, with_obstacle_motion, from, x, &contact)) return;
+        if (!pbf_find_contact_seldom(&s, 0, with_obstacle_motion, from, x, &contact)) return;
         place = pbf_keep_in_domain(domain, pbf_surface_carries(&s, from));
         stays = is_free(place);
       });
