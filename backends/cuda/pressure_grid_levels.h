@@ -66,7 +66,7 @@ static inline pressure_grid_levels pressure_grid_levels_in(const pressure_grid_a
   return levels;
 }
 
-/* ---- Who does it ---------------------------------------------------------------------------- */
+/* ---- Teams of threads ------------------------------------------------------------------------ */
 
 /* All blocks, … */
 struct shared_by_all {

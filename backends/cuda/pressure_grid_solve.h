@@ -82,7 +82,7 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
 
 struct pressure_grid_in_memory {
   static constexpr bool TORN = true;  /* whether there may be torn nodes */
-  static constexpr uint32_t KEPT = 1; /* nodes of a thread whose equations stay in registers */
+  static constexpr uint32_t KEPT = 1; /* nodes of a thread with equations in registers */
   grid_counter *barrier;
   uint32_t meetings, misses;
 

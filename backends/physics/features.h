@@ -56,7 +56,7 @@ static inline int pbf_features_of(const pbf_params *params) {
 
 /* A function of the physics (IN: a struct's own): inlined on every processor; `APART`, large and
  * asked for from many places, on a device only; `SELDOM`, large and seldom called, nowhere.
- * UNROLLED is before a loop whose arrays are to be a device's registers. */
+ * UNROLLED is before a loop over arrays that are to be registers of a device. */
 #ifdef __CUDACC__
 enum { PBF_ON_GPU = 1 };
 #define PBF_IN __host__ __device__ __forceinline__

@@ -1,5 +1,5 @@
 /* Coarser levels of the pressure grid, by which its solve sees waves that are much longer than a
- * cell: a multigrid method, whose iterations do not grow in number with the grid.
+ * cell: a multigrid method, the iterations of which do not grow in number with the grid.
  *
  * A level's cells are twice as wide as those of the one before, and its nodes are every second one.
  * With P the multilinear interpolation to the finer level, its equations are those of the best
