@@ -260,7 +260,7 @@ static __device__ __forceinline__ void correct_alone(const pbf_coarse_level &fin
   each_index(team, first, [&](uint32_t node) { now[node] = first.now[node]; });
 }
 
-/* The correction of the first level, whose right side there is. */
+/* The correction of the first level, once its right side has been found. */
 static __device__ __forceinline__ void correct(const shared_by_all &all,
                                                const pressure_grid_levels &levels,
                                                const levels_of_block &kept) {
