@@ -30,20 +30,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (index < indices) pbf_datum_begin(&d, index);
 }
 
+/* What `visit` does at each node that is in a body of fluid. */
+template <void (*visit)(const pbf_pressure_datum *, uint32_t)>
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    join_bodies_kernel(const __grid_constant__ pbf_pressure_grid grid,
-                       const __grid_constant__ pressure_grid_arrays a) {
+    datum_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                 const __grid_constant__ pressure_grid_arrays a) {
   const uint32_t index = thread_index();
   const pbf_pressure_datum d = pressure_datum_of(grid, a);
-  if (has_compartment(grid, a, index)) pbf_datum_join(&d, index);
-}
-
-static __global__ void __launch_bounds__(PBF_BLOCK)
-    note_datum_kernel(const __grid_constant__ pbf_pressure_grid grid,
-                      const __grid_constant__ pressure_grid_arrays a) {
-  const uint32_t index = thread_index();
-  const pbf_pressure_datum d = pressure_datum_of(grid, a);
-  if (has_compartment(grid, a, index)) pbf_datum_note(&d, index);
+  if (has_compartment(grid, a, index)) visit(&d, index);
 }
 
 /* A thread a node, and behind these one a torn node. */
@@ -76,8 +70,8 @@ static inline void find_datum(const solver *s) {
   const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
   const uint32_t blocks = blocks_for(indices);
   begin_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays, indices);
-  join_bodies_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  note_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  datum_kernel<pbf_datum_join><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  datum_kernel<pbf_datum_note><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   end_datum_kernel<<<blocks_for(grid.nodes + torn), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
   clear_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays, indices);
 }

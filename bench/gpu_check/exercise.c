@@ -41,9 +41,34 @@ static void exercise(const scene *s, uint32_t precision) {
   pbf_destroy(solver);
 }
 
+/* So tall that its pressure grid has coarser levels, under a lid that bears it. */
+static scene deep_scene(uint32_t dimension) {
+  scene s = small_scene(dimension);
+  pbf_collider *lid = &s.colliders[0];
+  s.params.solver = PBF_SOLVER_CHEBYSHEV;
+  s.params.cohesion = 0;
+  s.params.wall_density = 1;
+  s.params.pressure_grid = 2;
+  s.params.loads = 1;
+  s.params.smoothing_radius = 2 * s.spacing;
+  s.counts[0] = s.counts[2] = 4;
+  s.counts[1] = 100;
+  s.params.domain_max[1] = 5.5;
+  s.params.domain_max[0] = s.params.domain_max[2] = 4 * s.spacing;
+  must(pbf_collider_init(lid, sizeof *lid, PBF_COLLIDER_BOX), "pbf_collider_init");
+  for (int a = 0; a < 3; ++a) lid->position[a] = lid->half_extents[a] = 2 * s.spacing;
+  lid->position[1] = s.spacing * (s.counts[1] + 2);
+  s.collider_count = 1;
+  return s;
+}
+
 void exercise_all(void) {
   for (uint32_t dim = 2; dim <= 3; ++dim)
-    for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4)
+    for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4) {
+      scene deep = deep_scene(dim);
+      exercise(&deep, precision);
+      deep.collider_count = 0; /* nodes are then not torn */
+      exercise(&deep, precision);
       for (int k = 0; k < 8; ++k) {
         scene s = k < 4 ? small_scene(dim) : accelerated_scene(dim, k % 2);
         s.counts[0] = 9, s.counts[1] = 13;
@@ -66,4 +91,5 @@ void exercise_all(void) {
         s.spacing *= 0.95; /* a start that is projected */
         exercise(&s, precision);
       }
+    }
 }
