@@ -183,7 +183,8 @@ static __attribute__((noinline)) int relax_run(const pbf_pressure_grid_storage *
   for (uint32_t k = 0; k < count; ++k) {
     double around[PBF_CORNERS];
     pbf_pressure_grid_around(&c, free_volumes, k, around);
-    double residual = pbf_pressure_grid_residual(&c, around, now, right[k], inverse[k], k);
+    double surface = pbf_pressure_grid_surface_of(around, inverse[k]);
+    double residual = pbf_pressure_grid_residual(&c, around, now, right[k], surface, k);
     double miss = inverse[k] > 0 ? pbf_pressure_grid_miss(residual, now[k]) : 0;
     lacking |= miss > s.enough ? 1 : 0;
     before[k] = pbf_pressure_grid_next(&s, residual, inverse[k], now[k], before[k]);

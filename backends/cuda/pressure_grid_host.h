@@ -28,20 +28,21 @@ static inline cudaLaunchConfig_t pressure_grid_config(const solver *s, uint32_t 
   return config;
 }
 
+template <class... Parameters>
+static inline pbf_status allow_shared(const solver *s, void (*kernel)(Parameters...)) {
+  return pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                             (int)pressure_grid_max_shared(s)),
+                        "cudaFuncSetAttribute");
+}
+
 /* Lets the solve have its shared memory, and finds out how large a cluster can be. */
 static inline pbf_status allow_pressure_grid(solver *s) {
   auto kernel = pressure_grid_solve_kernel<pressure_grid_in_cluster>;
+  auto levels_kernel = pressure_grid_levels_kernel<pressure_grid_levels_in_cluster>;
   int clusters = 0;
-  if (pbf_status status =
-          pbf_cuda_check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                              (int)pressure_grid_max_shared(s)),
-                         "cudaFuncSetAttribute"))
-    return status;
-  if (pbf_status status =
-          pbf_cuda_check(cudaFuncSetAttribute(pressure_grid_levels_kernel,
-                                              cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                              (int)pressure_grid_max_shared(s)),
-                         "cudaFuncSetAttribute"))
+  if (pbf_status status = allow_shared(s, kernel)) return status;
+  if (pbf_status status = allow_shared(s, levels_kernel)) return status;
+  if (pbf_status status = allow_shared(s, pressure_grid_levels_kernel<pressure_grid_in_memory>))
     return status;
   s->pressure_grid_cluster = 1;
   if (pbf_status status =
@@ -51,6 +52,10 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   if (!clusters) return PBF_OK;
   if (pbf_status status = pbf_cuda_check(
           cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
+          "cudaFuncSetAttribute"))
+    return status;
+  if (pbf_status status = pbf_cuda_check(
+          cudaFuncSetAttribute(levels_kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
           "cudaFuncSetAttribute"))
     return status;
   for (uint32_t blocks = 16; blocks > 1 && s->pressure_grid_cluster == 1; blocks /= 2) {
@@ -73,35 +78,54 @@ static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_
   return pressure_grid_shared(grid, blocks) <= pressure_grid_max_shared(s) ? blocks : 0;
 }
 
+/* Indices of a grid up to which corrections in a cluster are faster than in all blocks. */
+enum { PRESSURE_GRID_IN_CLUSTER = 24576 };
+
+/* Where a grid is solved, and with which levels. */
+struct pressure_grid_way {
+  uint32_t blocks; /* of a cluster; 0: all that are resident */
+  size_t shared;
+  pressure_grid_levels levels;
+};
+
 /* Corrections from coarser levels know no torn nodes. */
-static inline pressure_grid_levels levels_of_solve(const solver *s, const pbf_pressure_grid &grid,
-                                                   const pressure_grid_arrays &arrays) {
-  if (s->pressure_grid_solids) return {};
-  return pressure_grid_levels_in(arrays, grid, s->scene_capacity, pressure_grid_max_shared(s));
+static inline pressure_grid_way way_of_solve(const solver *s, const pbf_pressure_grid &grid,
+                                             const pressure_grid_arrays &arrays) {
+  const size_t most = pressure_grid_max_shared(s);
+  pressure_grid_way way = {};
+  if (s->pressure_grid_solids) return way;
+  if (!pressure_grid_has_levels(grid) || grid.nodes <= PRESSURE_GRID_IN_CLUSTER)
+    way.blocks = pressure_grid_blocks(s, grid);
+  if (way.blocks) way.shared = pressure_grid_shared(grid, way.blocks);
+  way.levels = pressure_grid_levels_in(arrays, grid, s->scene_capacity, most - way.shared);
+  if (way.levels.count) way.shared += bytes_in_block(way.levels, way.levels.shared);
+  return way;
 }
 
 static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressure_grid &grid,
                                                     const pressure_grid_arrays &arrays) {
-  const uint32_t blocks = pressure_grid_blocks(s, grid);
+  const pressure_grid_way way = way_of_solve(s, grid, arrays);
   const uint32_t resident =
       min((grid.nodes + PRESSURE_GRID_THREADS - 1) / PRESSURE_GRID_THREADS, s->multiprocessors);
-  const pressure_grid_levels levels = levels_of_solve(s, grid, arrays);
-  if (levels.count)
-    return launch_resident(s, pressure_grid_levels_kernel, resident, PRESSURE_GRID_THREADS,
-                           words_of_levels(levels, levels.shared) * sizeof(float),
-                           "cudaLaunchCooperativeKernel of the pressure grid's levels", grid,
-                           arrays, levels);
-  if (!blocks)
+  static const char name[] = "launch of the pressure grid";
+  if (way.blocks == 0) {
+    if (way.levels.count)
+      return launch_resident(s, pressure_grid_levels_kernel<pressure_grid_in_memory>, resident,
+                             PRESSURE_GRID_THREADS, way.shared, name, grid, arrays, way.levels);
     return launch_resident(s, pressure_grid_solve_kernel<pressure_grid_in_memory>, resident,
-                           PRESSURE_GRID_THREADS, 0,
-                           "cudaLaunchCooperativeKernel of the pressure grid", grid, arrays);
+                           PRESSURE_GRID_THREADS, 0, name, grid, arrays);
+  }
   cudaLaunchAttribute cluster;
-  cudaLaunchConfig_t config =
-      pressure_grid_config(s, blocks, pressure_grid_shared(grid, blocks), &cluster);
+  cudaLaunchConfig_t config = pressure_grid_config(s, way.blocks, way.shared, &cluster);
+  if (way.levels.count)
+    return pbf_cuda_check(
+        cudaLaunchKernelEx(&config, pressure_grid_levels_kernel<pressure_grid_levels_in_cluster>,
+                           grid, arrays, way.levels),
+        name);
   return pbf_cuda_check(
       cudaLaunchKernelEx(&config, pressure_grid_solve_kernel<pressure_grid_in_cluster>, grid,
                          arrays),
-      "cudaLaunchKernelEx of the pressure grid");
+      name);
 }
 
 /* Indices of cells and nodes that a kernel over all of them has threads for. */

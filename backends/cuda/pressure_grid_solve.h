@@ -63,7 +63,7 @@ static __device__ __forceinline__ uint32_t list_inside(const pressure_grid_array
 /* The equation of a node. */
 struct pressure_grid_equation {
   uint32_t node;
-  double right, inverse, around[PBF_CORNERS];
+  double right, inverse, surface, around[PBF_CORNERS];
 };
 
 static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_pressure_grid &grid,
@@ -74,6 +74,7 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
   e.right = a.right[node];
   e.inverse = a.inverse[node];
   pbf_pressure_grid_around(&grid, a.free_volumes, node, e.around);
+  e.surface = pbf_pressure_grid_surface_of(e.around, e.inverse);
   return e;
 }
 
@@ -96,6 +97,10 @@ struct pressure_grid_in_memory {
     *before = a.before;
   }
   __device__ __forceinline__ void hand_on(double *, uint32_t, double) const {}
+  __device__ __forceinline__ float *memory_behind() const {
+    extern __shared__ double lambdas[];
+    return reinterpret_cast<float *>(lambdas);
+  }
 
   /* Whether a thread of any block misses; asked, or the answer is no. */
   __device__ __forceinline__ bool meet(bool asked, bool misses_here) {
@@ -162,6 +167,12 @@ struct pressure_grid_in_cluster {
       __syncthreads();
     else
       meet_cluster();
+  }
+
+  /* Shared memory that lambda leaves. */
+  __device__ __forceinline__ float *memory_behind() const {
+    extern __shared__ double lambdas[];
+    return reinterpret_cast<float *>(lambdas + 2 * pressure_grid_length(part.size, part.reach));
   }
 
   /* Lambda of the node at `at` of `lambda`, to the blocks that read it. */
@@ -252,19 +263,18 @@ struct pressure_grid_iterations {
   }
 
   /* Iteration k; whether it has asked, and nothing was missing before. */
-  __device__ __forceinline__ bool iterate(pbf_pressure_grid_solve *solve, int k) {
+  __device__ __forceinline__ bool iterate(const pbf_pressure_grid_solve &solve, int k) {
     bool misses = false;
     each([&](const pressure_grid_equation &e) {
       uint32_t at = e.node - lambda.low();
-      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.inverse, at);
-      double next = pbf_pressure_grid_next(solve, residual, e.inverse, now[at], before[at]);
-      misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve->enough;
+      double residual = pbf_pressure_grid_residual(&grid, e.around, now, e.right, e.surface, at);
+      double next = pbf_pressure_grid_next(&solve, residual, e.inverse, now[at], before[at]);
+      misses = misses || pbf_pressure_grid_miss(residual, now[at]) > solve.enough;
       before[at] = next;
       lambda.hand_on(before, at, next);
     });
-    if (Lambda::TORN) misses = relax_torn(grid, a, *solve, now, before) || misses;
+    if (Lambda::TORN) misses = relax_torn(grid, a, solve, now, before) || misses;
     const bool asks = pbf_pressure_grid_asks(k), over = !lambda.meet(asks, misses) && asks;
-    pbf_pressure_grid_solve_go_on(solve, k);
     double *other = now;
     now = before;
     before = other;
@@ -283,7 +293,12 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
   if (solve.max_iterations == 0) return;
   pressure_grid_iterations<Lambda> iterations(grid, a);
   bool over = false;
-  for (int k = 0; k < solve.max_iterations && !over; ++k) over = iterations.iterate(&solve, k);
+  for (int k = 0; k < solve.max_iterations && !over; ++k) {
+    pbf_pressure_grid_solve later = solve; /* found while others are waited for */
+    pbf_pressure_grid_solve_go_on(&later, k);
+    over = iterations.iterate(solve, k);
+    solve = later;
+  }
   iterations.lambda.end(a, iterations.now, iterations.count);
 }
 

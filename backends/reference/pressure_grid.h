@@ -48,9 +48,9 @@ static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
     if (!(storage->inverse[node] > 0)) continue;
     double around[PBF_CORNERS];
     pbf_pressure_grid_around(&storage->grid, storage->free_volumes, node, around);
-    double residual =
-        pbf_pressure_grid_residual(&storage->grid, around, storage->lambda, storage->right[node],
-                                   storage->inverse[node], node);
+    const double surface = pbf_pressure_grid_surface_of(around, storage->inverse[node]);
+    double residual = pbf_pressure_grid_residual(&storage->grid, around, storage->lambda,
+                                                 storage->right[node], surface, node);
     miss = pbf_greater(miss, pbf_pressure_grid_miss(residual, now));
     *before = pbf_pressure_grid_next(solve, residual, storage->inverse[node], now, *before);
   }

@@ -55,7 +55,8 @@ static void multiply_grid(const double *values, double *product) {
     product[node] = 0;
     if (!moves[node]) continue;
     pbf_pressure_grid_around(&grid, free_volumes, node, around);
-    product[node] = -pbf_pressure_grid_residual(&grid, around, values, 0, inverse[node], node);
+    const double surface = pbf_pressure_grid_surface_of(around, inverse[node]);
+    product[node] = -pbf_pressure_grid_residual(&grid, around, values, 0, surface, node);
   }
 }
 
@@ -230,7 +231,9 @@ static void a_level_is_solved(void **state) {
         left +=
             pbf_coarse_between(&l, node, b) * l.now[(uint32_t)(node + pbf_coarse_offset(&l, b))];
       missing += pow((double)(l.right[node] - left), 2);
-      l.before[node] = pbf_coarse_next(&l, &solve, l.now, l.before, node);
+      const pbf_coarse_equation e = pbf_coarse_equation_of(&l, node);
+      l.before[node] =
+          pbf_coarse_next(&l, &e, (float)solve.step, (float)solve.weight, l.now, l.before, node);
     }
     (k == 0 ? first : last) = sqrt(missing);
     pbf_pressure_grid_solve_go_on(&solve, k);

@@ -63,10 +63,11 @@ PBF_FN int pbf_around_offset(int k, int axis) {
   return (axis == 0 ? k : axis == 1 ? k / 3 : k / 9) % 3 - 1;
 }
 
-PBF_FN int64_t pbf_coarse_offset(const pbf_coarse_level *l, int k) {
-  int64_t offset = 0;
+/* Between the indices of neighbour k and of a node: as a level has less than 2^31. */
+PBF_FN int pbf_coarse_offset(const pbf_coarse_level *l, int k) {
+  int offset = 0;
   for (int axis = 0; axis < PBF_DIM; ++axis)
-    offset += pbf_around_offset(k, axis) * (int64_t)l->stride[axis];
+    offset += pbf_around_offset(k, axis) * (int)l->stride[axis];
   return offset;
 }
 
@@ -85,9 +86,9 @@ PBF_FN int pbf_coarse_place(const pbf_coarse_level *l, uint32_t index, int at[PB
 
 /* A between a node of a level and its neighbour k. */
 PBF_FN float pbf_coarse_between(const pbf_coarse_level *l, uint32_t node, int k) {
-  const int half = PBF_AROUND / 2;
-  if (k >= half) return l->stencil[(uint64_t)(k - half) * l->length + node];
-  return l->stencil[(uint64_t)(half - k) * l->length + (uint32_t)(node + pbf_coarse_offset(l, k))];
+  const int half = PBF_AROUND / 2, away = k < half ? half - k : k - half;
+  const float *of_those_away = l->stencil + (uint64_t)away * l->length;
+  return of_those_away[k < half ? (int)node + pbf_coarse_offset(l, k) : (int)node];
 }
 
 /* A between a node and all around it. */
@@ -189,7 +190,8 @@ PBF_FN pbf_coarse_row pbf_galerkin_part(const int I[PBF_DIM], const pbf_finer_no
   return row;
 }
 
-/* The sum over the finer nodes around a coarse one, the I-th, of what they have: P'. */
+/* The sum over the finer nodes around a coarse one, the I-th, of what they have, index 0 nothing:
+ * P'. */
 template <class Value>
 PBF_FN float pbf_restricted(const int I[PBF_DIM], const int n[PBF_DIM],
                             const uint32_t stride[PBF_DIM], Value value) {
@@ -199,7 +201,8 @@ PBF_FN float pbf_restricted(const int I[PBF_DIM], const int n[PBF_DIM],
     const pbf_finer_node finer = pbf_finer_node_of(I, from, n);
     uint32_t node = 0;
     for (int axis = 0; axis < PBF_DIM; ++axis) node += (uint32_t)finer.at[axis] * stride[axis];
-    if (finer.weight > 0) sum += finer.weight * value(node);
+    /* Without a branch, so that all values are on their way at once. */
+    sum += finer.weight * value(finer.weight > 0 ? node : 0);
   }
   return sum;
 }
@@ -231,36 +234,52 @@ PBF_FN float pbf_coarse_inverse(const pbf_coarse_level *l, uint32_t node) {
   return sum > 0 ? 1 / sum : 0;
 }
 
+typedef struct pbf_coarse_equation {
+  pbf_coarse_row row;
+  float inverse, right;
+} pbf_coarse_equation;
+
+PBF_FN pbf_coarse_equation pbf_coarse_equation_of(const pbf_coarse_level *l, uint32_t node) {
+  return (pbf_coarse_equation){pbf_row_of_level(l, node), l->inverse[node], l->right[node]};
+}
+
 /* The correction at a node after an iteration. */
-PBF_FN float pbf_coarse_next(const pbf_coarse_level *l, const pbf_pressure_grid_solve *solve,
-                             const float *now, const float *before, uint32_t node) {
+PBF_FN float pbf_coarse_next(const pbf_coarse_level *l, const pbf_coarse_equation *e, float step,
+                             float weight, const float *now, const float *before, uint32_t node) {
   float left = 0;
   PBF_UNROLLED
   for (int k = 0; k < PBF_AROUND; ++k)
-    left += pbf_coarse_between(l, node, k) * now[(uint32_t)(node + pbf_coarse_offset(l, k))];
-  const float step = (float)solve->step * l->inverse[node] * (l->right[node] - left);
-  return (float)solve->weight * (now[node] + step - before[node]) + before[node];
+    left += e->row.of[k] * now[(int)node + pbf_coarse_offset(l, k)];
+  return weight * (now[node] + step * e->inverse * (e->right - left) - before[node]) + before[node];
 }
 
 /* How a level is smoothed: of waves that are shorter than four of its cells hardly any is left. The
  * sum of magnitudes in a row is no less than the largest eigenvalue. */
 enum { PBF_SMOOTHINGS = 4 };
 
-PBF_FN pbf_pressure_grid_solve pbf_coarse_smoothing() { return pbf_pressure_grid_within(0.12, 1); }
+static inline pbf_pressure_grid_solve pbf_coarse_smoothing() {
+  return pbf_pressure_grid_within(0.12, 1);
+}
 
 /* The coarsest one is solved, more or less, by so many iterations. */
 enum { PBF_COARSEST_CELLS = 4, PBF_COARSEST_ITERATIONS = 12 };
 
-PBF_FN pbf_pressure_grid_solve pbf_coarsest_solve() {
+static inline pbf_pressure_grid_solve pbf_coarsest_solve() {
   const double wave = 0.5 * PBF_PI / (PBF_COARSEST_CELLS + 2);
   return pbf_pressure_grid_within(0.25 * wave * wave, 1);
 }
 
 /* And the grid itself, before and after a correction. */
-PBF_FN pbf_pressure_grid_solve pbf_finest_smoothing(double enough) {
-  pbf_pressure_grid_solve s = pbf_pressure_grid_within(0.35, PBF_PRESSURE_GRID_HIGHEST);
-  s.enough = enough;
-  return s;
+static inline pbf_pressure_grid_solve pbf_finest_smoothing() {
+  return pbf_pressure_grid_within(0.35, PBF_PRESSURE_GRID_HIGHEST);
+}
+
+/* The weights of the first iterations, which take a division each to find. */
+static inline void pbf_find_weights(pbf_pressure_grid_solve s, int iterations, double *weights) {
+  for (int k = 0; k < iterations; ++k) {
+    weights[k] = s.weight;
+    pbf_pressure_grid_solve_go_on(&s, k);
+  }
 }
 
 /* Each leaves a tenth of what is missing, or less; after three it is less than what iterations of

@@ -187,11 +187,19 @@ PBF_FN double pbf_pressure_grid_stiffness(const pbf_pressure_grid *c,
   return around[a] * (PBF_PRESSURE_GRID_STIFFNESS_OWN * at[0] - others);
 }
 
-/* What is missing on the left side. */
+/* The same, of the free volumes around a node. */
+PBF_FN double pbf_pressure_grid_surface_of(const double around[PBF_CORNERS], double inverse) {
+  double free_volume = around[0] + around[1] + (around[2] + around[3]);
+  if (PBF_DIM == 3)
+    free_volume += around[PBF_CORNERS - 4] + around[PBF_CORNERS - 3] +
+                   (around[PBF_CORNERS - 2] + around[PBF_CORNERS - 1]);
+  return pbf_pressure_grid_surface_diagonal(inverse, free_volume);
+}
+
+/* What is missing on the left side; `surface` is what of the diagonal is the surface's. */
 PBF_FN double pbf_pressure_grid_residual(const pbf_pressure_grid *c,
                                          const double around[PBF_CORNERS], const double *lambda,
-                                         double right, double inverse, uint32_t node) {
-  double free_volume = around[0] + around[1] + (around[2] + around[3]);
+                                         double right, double surface, uint32_t node) {
   double left = pbf_pressure_grid_stiffness(c, around, lambda, node, 0) +
                 pbf_pressure_grid_stiffness(c, around, lambda, node, 1) +
                 (pbf_pressure_grid_stiffness(c, around, lambda, node, 2) +
@@ -201,11 +209,7 @@ PBF_FN double pbf_pressure_grid_residual(const pbf_pressure_grid *c,
             pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 3) +
             (pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 2) +
              pbf_pressure_grid_stiffness(c, around, lambda, node, PBF_CORNERS - 1));
-  if (PBF_DIM == 3)
-    free_volume += around[PBF_CORNERS - 4] + around[PBF_CORNERS - 3] +
-                   (around[PBF_CORNERS - 2] + around[PBF_CORNERS - 1]);
-  return right - PBF_PRESSURE_GRID_STIFFNESS * left -
-         pbf_pressure_grid_surface_diagonal(inverse, free_volume) * lambda[node];
+  return right - PBF_PRESSURE_GRID_STIFFNESS * left - surface * lambda[node];
 }
 
 /* The same of a torn node. */
