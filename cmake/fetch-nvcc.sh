@@ -9,7 +9,7 @@ set -eu
 folder=$1
 python3 -m pip install --quiet --no-deps --only-binary=:all: --upgrade --target "$folder" \
   nvidia-cuda-nvcc==13.0.88 nvidia-cuda-crt==13.0.88 nvidia-nvvm==13.0.88 \
-  nvidia-cuda-runtime==13.0.96 nvidia-cuda-cccl==13.0.85
+  nvidia-cuda-runtime==13.0.96 nvidia-cuda-cccl==13.0.85 nvidia-nvtx==13.0.85
 nvcc=$folder/nvidia/cu13/bin/nvcc
 chmod +x "$folder"/nvidia/cu13/bin/* "$folder"/nvidia/cu13/nvvm/bin/* 2>/dev/null || true
 # The wheels have their libraries in lib, where nvcc looks in lib64.

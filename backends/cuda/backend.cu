@@ -388,6 +388,7 @@ static pbf_status step(pbf_backend_solver *handle, double time, uint64_t before,
   *done = 0;
   if (pbf_status status = tell_late_failure(s)) return status;
   pbf_cuda_scope scope(s->context);
+  const pbf_cuda_range range("pbf_step");
   return run_steps(s, times, steps, done);
 }
 

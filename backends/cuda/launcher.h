@@ -6,6 +6,7 @@
 
 #include "cuda/launches.h"
 #include "cuda/pressure_grid_host.h"
+#include "cuda/ranges.h"
 #include "physics/overfull.h"
 #include "physics/step.h"
 
@@ -58,6 +59,7 @@ struct launcher {
   /* Runs launches(), which puts into `status` what they can tell at once. */
   template <class Launches>
   void run(pbf_stage stage, Launches launches) {
+    const pbf_cuda_range range(pbf_stage_name(stage));
     if (status == PBF_OK) status = clock_begin(&s->clock, s->stream);
     if (status == PBF_OK) launches();
     if (status == PBF_OK) status = pbf_cuda_check_launch(pbf_stage_name(stage));

@@ -98,12 +98,15 @@ PBF_FN void pbf_pressure_grid_add_slope(const pbf_pressure_grid *c,
                                         const pbf_pressure_grid_topology *t, const double *depths,
                                         const double *free_volumes, const double *lambda,
                                         uint32_t compartment, pbf_pressure_grid_slope *slope) {
-  if (!(free_volumes[compartment] > 0)) return;
+  const int has_room = free_volumes[compartment] > 0;
+  /* Without a jump, so that all depths are on their way at once. */
+  PBF_UNROLLED
   for (int b = 0; b < PBF_CORNERS; ++b) {
     const uint32_t node = pbf_pressure_grid_corner(c, t, compartment, b);
-    if (pbf_pressure_grid_is_open(depths[node])) continue;
-    slope->product += lambda[node] * depths[node];
-    slope->square += depths[node] * depths[node];
+    const double depth = depths[node];
+    const int counts = has_room && !pbf_pressure_grid_is_open(depth);
+    slope->product += counts ? lambda[node] * depth : 0;
+    slope->square += counts ? depth * depth : 0;
   }
 }
 
@@ -119,6 +122,7 @@ PBF_FN double pbf_pressure_grid_node_beyond(const pbf_pressure_grid *c,
                                             const double *depths, const double *free_volumes,
                                             const double *lambda, uint32_t node) {
   pbf_pressure_grid_slope slope = {0, 0};
+  PBF_UNROLLED
   for (int a = 0; a < PBF_CORNERS; ++a)
     pbf_pressure_grid_add_slope(c, t, depths, free_volumes, lambda, node - c->corner[a], &slope);
   return pbf_pressure_grid_beyond(&slope, depths[node]);
