@@ -229,6 +229,7 @@ static pbf_status fill(solver *s, const pbf_backend_desc *desc, const pbf_params
   snprintf(s->device_name, sizeof s->device_name, "%.95s", properties.name);
   s->multiprocessors = (uint32_t)properties.multiProcessorCount;
   s->block_shared = properties.sharedMemPerBlockOptin;
+  s->launches_early = properties.major >= 9;
   s->ordered = true;
   if (pbf_status status = open_stream(s, desc->stream)) return status;
   if (pbf_status status = take_arrays(s)) return status;

@@ -98,6 +98,7 @@ static __global__ void __launch_bounds__(32 * PBF_GHOST_SHARES)
                  typename Pass::template sums<pbf_real> *all) {
   typedef typename Pass::template sums<pbf_real> pass_sums;
   __shared__ pass_sums parts[PBF_GHOST_SHARES - 1][32];
+  await_launches_before();
   const uint32_t lane = threadIdx.x % 32, share = threadIdx.x / 32,
                  i = n.particles.first + blockIdx.x * 32 + lane;
   const uint32_t own = min(i, n.particles.count - 1);

@@ -69,7 +69,7 @@ struct launcher {
   /* A thread a particle. */
   template <class... Parameters, class... Arguments>
   void launch(void (*kernel)(Parameters...), const Arguments &...arguments) {
-    if (own_count(n)) kernel<<<blocks_for(own_count(n)), PBF_BLOCK, 0, s->stream>>>(arguments...);
+    if (own_count(n)) launch_early(s, kernel, blocks_for(own_count(n)), PBF_BLOCK, 0, arguments...);
   }
 
   /* Those that a rank holds of others, too; without ranks, all. */
@@ -82,7 +82,7 @@ struct launcher {
   void launch_held(void (*kernel)(Parameters...), const Arguments &...arguments) {
     const sorted_particles all = held();
     if (all.count > all.first)
-      kernel<<<blocks_for(all.count - all.first), PBF_BLOCK, 0, s->stream>>>(all, arguments...);
+      launch_early(s, kernel, blocks_for(all.count - all.first), PBF_BLOCK, 0, all, arguments...);
   }
 
   bool shear_stress_is_due() const { return pbf_shear_stress_is_due(nth); }

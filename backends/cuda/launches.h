@@ -62,7 +62,8 @@ static inline void predict_into(const solver *s, const unsorted_particles &from,
                 : all ? predict_kernel<NO_SURFACES, true>
                       : predict_kernel<NO_SURFACES, false>;
   if (from.count)
-    kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, grid, cell_count, scratch);
+    launch_early(s, kernel, blocks_for(from.count), PBF_BLOCK, 0, from, p, grid, cell_count,
+                 scratch);
 }
 
 /* Predicts and counts the particles of each cell. Ranks come to hold theirs. */
@@ -99,14 +100,14 @@ static inline void place_from(const solver *s, const unsorted_particles &from,
                : all ? place_kernel<NO_SURFACES, true>
                      : place_kernel<NO_SURFACES, false>;
   if (from.count)
-    place<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, p, scratch, n.particles);
+    launch_early(s, place, blocks_for(from.count), PBF_BLOCK, 0, from, p, scratch, n.particles);
 }
 
 static inline void scatter_from(const solver *s, const unsorted_particles &from,
                                 const sort_scratch &scratch) {
   if (from.count)
-    scatter_kernel<<<blocks_for(from.count), PBF_BLOCK, 0, s->stream>>>(from, s->cell_start,
-                                                                        scratch);
+    launch_early(s, scatter_kernel, blocks_for(from.count), PBF_BLOCK, 0, from, s->cell_start,
+                 scratch);
 }
 
 /* Its own, and those that it has got of other ranks. */
@@ -147,8 +148,8 @@ template <searchers WHICH>
 static inline void launch_list_kernel(solver *s, const neighborhood &n) {
   auto kernel = n.grid.periodic ? list_kernel<WHICH, true> : list_kernel<WHICH, false>;
   if (own_count(n))
-    kernel<<<list_blocks(own_count(n)), SEARCH_BLOCK, list_shared(s->lists.chunks), s->stream>>>(
-        n.particles, n.grid, s->constants.h2, s->lists);
+    launch_early(s, kernel, list_blocks(own_count(n)), SEARCH_BLOCK, list_shared(s->lists.chunks),
+                 n.particles, n.grid, s->constants.h2, s->lists);
 }
 
 static inline void launch_lists(solver *s, const neighborhood &n) {
@@ -190,8 +191,9 @@ static inline void sum_ghosts(solver *s, const neighborhood &n, const iteration_
                               const Places &places = {}, const Value *values = nullptr) {
   if constexpr (PBF_GHOSTS)
     if (own_count(n))
-      ghost_kernel<Pass><<<ghost_blocks_for(own_count(n)), 32 * PBF_GHOST_SHARES, 0, s->stream>>>(
-          n, extras.watch, extras.rest.activity, domain, places, values, all);
+      launch_early(s, ghost_kernel<Pass, Places, Value>, ghost_blocks_for(own_count(n)),
+                   32 * PBF_GHOST_SHARES, 0, n, extras.watch, extras.rest.activity, domain, places,
+                   values, all);
 }
 
 /* Where to put those of lambda or, in the same memory, of moves: then lambda is known. Null where
@@ -261,7 +263,7 @@ static inline void launch_lambda(solver *s, const neighborhood &n, const iterati
                                           : lambda_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity) kernel = lambda_kernel<F, true, true, true>;
-    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, extras, parts);
+    launch_early(s, kernel, blocks, PBF_BLOCK, 0, n, extras, parts);
   });
 }
 
@@ -277,8 +279,8 @@ static inline void launch_collide(solver *s, const neighborhood &n, point *moved
   const uint32_t blocks = blocks_for(own_count(n));
   if (!blocks) return;
   with_colliders(s, [&](auto surfaces) {
-    collide_kernel<decltype(surfaces)::value><<<blocks, PBF_BLOCK, 0, s->stream>>>(
-        n, moved, extras, pushes, inv_time_step, velocities, push);
+    launch_early(s, collide_kernel<decltype(surfaces)::value>, blocks, PBF_BLOCK, 0, n, moved,
+                 extras, pushes, inv_time_step, velocities, push);
   });
 }
 
@@ -295,7 +297,7 @@ static inline void launch_move(solver *s, const neighborhood &n, point *moved,
                                           : move_kernel<F, false, false, false>;
     if constexpr (PBF_SLEEP)
       if (s->activity) kernel = move_kernel<F, true, true, true>;
-    kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(n, moved, extras, end);
+    launch_early(s, kernel, blocks, PBF_BLOCK, 0, n, moved, extras, end);
   });
   if (collides_after_moves(s))
     launch_collide(s, n, moved, extras, pushes, end.inv_time_step, end.velocities, nullptr);

@@ -86,6 +86,7 @@ struct sorted_particles {
 
 /* The particle of a thread, of those that stages work on. */
 static __device__ __forceinline__ uint32_t own_index(const sorted_particles &p) {
+  await_launches_before();
   return p.first + blockIdx.x * blockDim.x + threadIdx.x;
 }
 

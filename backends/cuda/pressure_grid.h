@@ -356,9 +356,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static __global__ void __launch_bounds__(PBF_BLOCK)
     extrapolate_kernel(const __grid_constant__ pbf_pressure_grid grid,
                        const __grid_constant__ pressure_grid_arrays a) {
+  const uint32_t index = thread_index();
   const pbf_pressure_grid_topology *t = &a.topology;
+  const uint32_t torn = pbf_pressure_grid_torn_count(t);
   double *lambda = pressure_grid_lambda(a);
-  const uint32_t index = thread_index(), torn = pbf_pressure_grid_torn_count(t);
   if (a.control->largest == 0) return; /* lambda is 0 */
   if (index >= grid.nodes) {
     if (index - grid.nodes >= torn) return;

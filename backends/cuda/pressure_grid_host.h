@@ -14,17 +14,20 @@ static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_
 /* What a block can have, less what the kernels have of themselves. */
 static inline size_t pressure_grid_max_shared(const solver *s) { return s->block_shared - 2048; }
 
+/* Of a cluster, with room for two attributes. */
 static inline cudaLaunchConfig_t pressure_grid_config(const solver *s, uint32_t blocks,
-                                                      size_t shared, cudaLaunchAttribute *cluster) {
+                                                      size_t shared,
+                                                      cudaLaunchAttribute *attributes) {
   cudaLaunchConfig_t config = {};
   config.gridDim = dim3(blocks);
   config.blockDim = dim3(PRESSURE_GRID_THREADS);
   config.dynamicSmemBytes = shared;
   config.stream = s->stream;
-  cluster->id = cudaLaunchAttributeClusterDimension;
-  cluster->val.clusterDim = {blocks, 1, 1};
-  config.attrs = cluster;
-  config.numAttrs = blocks > 1;
+  config.attrs = attributes;
+  if (s->launches_early) attributes[config.numAttrs++] = early_launch();
+  if (blocks == 1) return config;
+  attributes[config.numAttrs].id = cudaLaunchAttributeClusterDimension;
+  attributes[config.numAttrs++].val.clusterDim = {blocks, 1, 1};
   return config;
 }
 
@@ -59,9 +62,9 @@ static inline pbf_status allow_pressure_grid(solver *s) {
           "cudaFuncSetAttribute"))
     return status;
   for (uint32_t blocks = 16; blocks > 1 && s->pressure_grid_cluster == 1; blocks /= 2) {
-    cudaLaunchAttribute cluster;
+    cudaLaunchAttribute attributes[2];
     cudaLaunchConfig_t config =
-        pressure_grid_config(s, blocks, pressure_grid_max_shared(s), &cluster);
+        pressure_grid_config(s, blocks, pressure_grid_max_shared(s), attributes);
     if (cudaOccupancyMaxActiveClusters(&clusters, kernel, &config) != cudaSuccess)
       cudaGetLastError(); /* not so many */
     else if (clusters > 0)
@@ -115,8 +118,8 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
     return launch_resident(s, pressure_grid_solve_kernel<pressure_grid_in_memory>, resident,
                            PRESSURE_GRID_THREADS, 0, name, grid, arrays);
   }
-  cudaLaunchAttribute cluster;
-  cudaLaunchConfig_t config = pressure_grid_config(s, way.blocks, way.shared, &cluster);
+  cudaLaunchAttribute attributes[2];
+  cudaLaunchConfig_t config = pressure_grid_config(s, way.blocks, way.shared, attributes);
   if (way.levels.count)
     return pbf_cuda_check(
         cudaLaunchKernelEx(&config, pressure_grid_levels_kernel<pressure_grid_levels_in_cluster>,
@@ -236,7 +239,8 @@ static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   const uint32_t columns = pbf_pressure_grid_columns(&grid);
   if (!s->pressure_grid_solids) {
-    pressure_grid_guess_kernel<<<blocks_for(32 * columns), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+    launch_early(s, pressure_grid_guess_kernel, blocks_for(32 * columns), PBF_BLOCK, 0, grid,
+                 arrays);
     return;
   }
   guess_torn_kernel<<<blocks_for(pressure_grid_indices(s)), PBF_BLOCK, 0, s->stream>>>(grid,
@@ -251,14 +255,14 @@ static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &ob
   const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
   const uint32_t blocks = blocks_for(indices), with_torn = blocks_for(grid.nodes + torn);
   with_surfaces(s, [&](auto surfaces) {
-    pressure_grid_cells_kernel<decltype(surfaces)::value>
-        <<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, obstacles, arrays);
+    launch_early(s, pressure_grid_cells_kernel<decltype(surfaces)::value>, blocks, PBF_BLOCK, 0,
+                 grid, obstacles, arrays);
   });
-  pressure_grid_depths_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
-  pressure_grid_nodes_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  launch_early(s, pressure_grid_depths_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
+  launch_early(s, pressure_grid_nodes_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
   launch_guess(s, arrays);
   if (pbf_status status = launch_pressure_grid_solve(s, grid, arrays)) return status;
-  extrapolate_kernel<<<with_torn, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  launch_early(s, extrapolate_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
   return pbf_cuda_check_launch("extrapolate_kernel");
 }
 

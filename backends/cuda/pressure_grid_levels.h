@@ -424,6 +424,7 @@ static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS, 1)
                                 const __grid_constant__ pressure_grid_arrays a,
                                 const __grid_constant__ pressure_grid_levels levels) {
   __shared__ levels_of_block kept;
+  await_launches_before();
   const double largest = __longlong_as_double((long long)a.control->largest);
   const int longest = pbf_pressure_grid_source_scale_of(&grid, &a.control->extent).longest;
   const pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(longest, largest);

@@ -286,6 +286,7 @@ template <class Lambda>
 static __global__ void __launch_bounds__(PRESSURE_GRID_THREADS)
     pressure_grid_solve_kernel(const __grid_constant__ pbf_pressure_grid grid,
                                const __grid_constant__ pressure_grid_arrays a) {
+  await_launches_before();
   const pressure_grid_control *control = a.control;
   pbf_pressure_grid_solve solve = pbf_pressure_grid_solve_begin(
       pbf_pressure_grid_source_scale_of(&grid, &control->extent).longest,

@@ -5,6 +5,13 @@
 
 #include <stdint.h>
 
+/* Until all that was launched before is over, and what it wrote is seen. */
+static __device__ __forceinline__ void await_launches_before() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  asm volatile("griddepcontrol.wait;" ::: "memory");
+#endif
+}
+
 /* *to += value, which others see with all that came before. */
 static __device__ __forceinline__ void add_release(unsigned long long *to,
                                                    unsigned long long value) {

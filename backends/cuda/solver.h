@@ -53,6 +53,7 @@ struct solver {
   bool owns_stream;
   uint32_t multiprocessors;
   size_t block_shared; /* bytes of shared memory that a block can have */
+  bool launches_early; /* where the device can (launch_early) */
   char device_name[96];
   pbf_cuda_memory memory;
   stage_clock clock;
@@ -153,6 +154,29 @@ static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t block
   return pbf_cuda_check(
       cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(threads), pointers, shared, s->stream),
       name);
+}
+
+static inline cudaLaunchAttribute early_launch() {
+  cudaLaunchAttribute early;
+  early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  early.val.programmaticStreamSerializationAllowed = 1;
+  return early;
+}
+
+/* A launch that is on its way while the one before ends: its kernel begins with thread_index(),
+ * own_index() or await_launches_before(), and has read no memory before. */
+template <class... Parameters, class... Arguments>
+static void launch_early(const solver *s, void (*kernel)(Parameters...), uint32_t blocks,
+                         uint32_t threads, size_t shared, const Arguments &...arguments) {
+  cudaLaunchAttribute early = early_launch();
+  cudaLaunchConfig_t config = {};
+  config.gridDim = dim3(blocks);
+  config.blockDim = dim3(threads);
+  config.dynamicSmemBytes = shared;
+  config.stream = s->stream;
+  config.attrs = &early;
+  config.numAttrs = s->launches_early;
+  cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...);
 }
 
 static inline sort_scratch scratch_of(const solver *s) {

@@ -143,9 +143,24 @@ void test_undefined() {
   expect(cudaStreamSynchronize(nullptr) == cudaErrorLaunchFailure, "different barriers are told");
 }
 
+/* Nor may a kernel that is launched early read anything before it has awaited. The device is lost,
+ * too. */
+void test_early() {
+  unsigned *out = device_words(256);
+  cudaLaunchAttribute attribute = {cudaLaunchAttributeProgrammaticStreamSerialization, {}};
+  cudaLaunchConfig_t config = {4, 64, 64 * sizeof(unsigned), nullptr, &attribute, 1};
+  attribute.val.programmaticStreamSerializationAllowed = 1;
+  cudaLaunchKernelEx(&config, mirror_kernel, out);
+  expect(cudaStreamSynchronize(nullptr) == cudaErrorLaunchFailure, "early kernels await others");
+}
+
 }  // namespace
 
-int main() {
+int main(int count, char **) {
+  if (count > 1) {
+    test_early();
+    return wrong;
+  }
   test_blocks();
   test_warps();
   test_ended_lanes();

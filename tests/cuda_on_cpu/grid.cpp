@@ -195,6 +195,7 @@ void run_threads(void *) {
     current = t;
     t->fiber = present_fiber();
     m->run(m->shape->kernel, m->arguments);
+    if (m->shape->early && !t->awaited) fail("a thread of an early launch awaits none before");
     end_thread(t);
     if (seed()) switch_to(nullptr);
   }

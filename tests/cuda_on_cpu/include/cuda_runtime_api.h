@@ -144,13 +144,17 @@ inline cudaError_t cudaHostGetDevicePointer(T **device, void *host, unsigned fla
 /* ---- Launches ------------------------------------------------------------------------------ */
 
 struct cudaLaunchConfig_t;
-enum cudaLaunchAttributeID { cudaLaunchAttributeClusterDimension = 4 };
+enum cudaLaunchAttributeID {
+  cudaLaunchAttributeClusterDimension = 4,
+  cudaLaunchAttributeProgrammaticStreamSerialization = 6
+};
 struct cudaLaunchAttribute {
   cudaLaunchAttributeID id;
   struct {
     struct {
       unsigned x, y, z;
     } clusterDim;
+    int programmaticStreamSerializationAllowed;
   } val;
 };
 struct cudaLaunchConfig_t {
@@ -240,7 +244,7 @@ struct pending_call {
 template <class Kernel>
 inline pending_call<Kernel> launch(const char *name, Kernel, dim3 grid, dim3 block,
                                    size_t shared = 0, cudaStream_t stream = nullptr) {
-  return {{name, nullptr, grid, block, shared, false}, stream};
+  return {{name, nullptr, grid, block, shared, false, false}, stream};
 }
 
 /* name<<<grid, block, shared, stream>>> */
@@ -248,7 +252,8 @@ template <class... Parameters>
 inline pending_launch<Parameters...> launch(const char *name, void (*kernel)(Parameters...),
                                             dim3 grid, dim3 block, size_t shared = 0,
                                             cudaStream_t stream = nullptr) {
-  return {{name, reinterpret_cast<const void *>(kernel), grid, block, shared, false}, stream};
+  return {{name, reinterpret_cast<const void *>(kernel), grid, block, shared, false, false},
+          stream};
 }
 
 template <class... Parameters, size_t... Index>
@@ -268,17 +273,24 @@ inline cudaError_t cudaLaunchCooperativeKernel(void (*kernel)(Parameters...), di
                                                void **arguments, size_t shared,
                                                cudaStream_t stream) {
   return emulated::launch_by_pointers(
-      {"a cooperative kernel", reinterpret_cast<const void *>(kernel), grid, block, shared, true},
+      {"a cooperative kernel", reinterpret_cast<const void *>(kernel), grid, block, shared, true,
+       false},
       arguments, stream, kernel, std::index_sequence_for<Parameters...>());
 }
 
 template <class... Parameters, class... Arguments>
 inline cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t *config,
                                       void (*kernel)(Parameters...), Arguments &&...arguments) {
-  const emulated::launch_shape shape = {
-      "a kernel of a cluster",  reinterpret_cast<const void *>(kernel),
-      config->gridDim,          config->blockDim,
-      config->dynamicSmemBytes, config->numAttrs > 0};
+  bool cluster = false, early = false;
+  for (unsigned k = 0; k < config->numAttrs; ++k)
+    (config->attrs[k].id == cudaLaunchAttributeClusterDimension ? cluster : early) = true;
+  const emulated::launch_shape shape = {cluster ? "a kernel of a cluster" : "an early kernel",
+                                        reinterpret_cast<const void *>(kernel),
+                                        config->gridDim,
+                                        config->blockDim,
+                                        config->dynamicSmemBytes,
+                                        cluster,
+                                        early};
   return emulated::launch_on(
       config->stream, shape,
       new emulated::kernel_work<Parameters...>(shape, {std::forward<Arguments>(arguments)...}));

@@ -78,6 +78,7 @@ struct thread {
   struct warp *warp;
   void *fiber; /* of one that has begun and not ended */
   uint32_t linear, lane;
+  bool awaited; /* launches before its own */
   wait_kind waits;
   const char *at; /* the barrier's name */
   /* In a warp: */
@@ -174,6 +175,7 @@ struct launch_shape {
   dim3 grid, block;
   size_t shared;
   bool together; /* all blocks at the same time: cooperative, or a cluster */
+  bool early;    /* before what was launched last is over: its threads have to await that */
 };
 
 /* Calls run(arguments) in each thread of the grid. */

@@ -5,6 +5,8 @@
 
 #include "device.h"
 
+inline void await_launches_before() { emulated::current->awaited = true; }
+
 inline void add_release(unsigned long long *to, unsigned long long value) {
   __atomic_fetch_add(to, value, __ATOMIC_RELEASE);
 }
