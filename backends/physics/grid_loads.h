@@ -104,23 +104,28 @@ PBF_FN load_share grid_load_share(const grid_load_solid *of, int count, int k, d
   return share;
 }
 
-/* Calls take(plane, share) for each solid that the grid's pressure at a particle at x presses on;
- * pressure(x, slope) is over the reference density. */
+/* What a solid has of a share. What a wall has along itself is another solid's, which meets it in
+ * an edge, where psi goes from 1 to 0 between two points: it is noted apart. */
+PBF_FN load_share grid_load_of_solid(const load_share &of, int solid, double factor) {
+  load_share share = {{0}, {0}};
+  for (int j = 0; j < PBF_DIM; ++j)
+    (solid < PBF_WALLS && j != solid / 2 ? share.along : share.change)[j] = factor * of.change[j];
+  return share;
+}
+
+/* Calls take(plane, share) for each solid that the grid's pressure at a point x presses on, which
+ * stands for so many particles; pressure(x, slope) is over the reference density. */
 template <class Obstacles, class Near, class Pressure, class Take>
 PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, const Near &near,
-                                pbf_vec x, Pressure pressure, Take take) {
+                                pbf_vec x, double particles, Pressure pressure, Take take) {
   grid_load_solid of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
   double slope[PBF_DIM];
-  const double p = pressure(x, slope);
-  for (int k = 0; k < count; ++k) {
-    load_share share = grid_load_share(of, count, k, p, slope);
-    const int solid = of[k].plane.solid;
-    for (int j = 0; j < PBF_DIM; ++j)
-      share.change[j] *= solid < PBF_WALLS && j != solid / 2 ? 0 : -s->time_step;
-    take(of[k].plane, share);
-  }
+  const double p = pressure(x, slope), factor = -s->time_step * particles;
+  for (int k = 0; k < count; ++k)
+    take(of[k].plane, grid_load_of_solid(grid_load_share(of, count, k, p, slope),
+                                         of[k].plane.solid, factor));
 }
 
 /* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
@@ -170,10 +175,9 @@ PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_press
   const double part = grid_load_free_part(o, near, width, &x);
   if (!(part > 0)) return;
   const double particles = part * (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
-  share_grid_pressure(s, o, near, x, pressure, [&](const pbf_load_plane &plane, load_share share) {
-    for (int j = 0; j < PBF_DIM; ++j) share.change[j] *= particles;
-    take(plane, x, share);
-  });
+  share_grid_pressure(
+      s, o, near, x, particles, pressure,
+      [&](const pbf_load_plane &plane, const load_share &share) { take(plane, x, share); });
 }
 
 }  // namespace

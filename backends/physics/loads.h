@@ -12,8 +12,9 @@
  * take the rest. But what walls do along themselves stands in for fluid that they cut off
  * (pbf_boundary_correction), the weight of which is on the walls across: they share it, where there
  * are any that the fluid is at. What is then left of the whole goes to all, in proportion to what
- * they have got along the axis. So the sum over all solids is the momentum that the fluid has lost,
- * whatever errors the parts have.
+ * each has got along the axis in all: as if all pressures were larger by one part. So the sum over
+ * all solids is the momentum that the fluid has lost, whatever errors the parts have. A body in the
+ * fluid, pressed from all sides, has got no more than its lift.
  *
  * Sums are of integers: their order, and with it threads, changes no bit. */
 #ifndef PBF_PHYSICS_LOADS_H
@@ -56,11 +57,10 @@ PBF_FN double pbf_wide_value(pbf_wide_sum sum) {
 enum {
   PBF_LOAD_CHANGE = 0,
   PBF_LOAD_TURN = 3,   /* place before the solid's position x change */
-  PBF_LOAD_SIZE = 6,   /* |change|, by component */
-  PBF_LOAD_WET = 9,    /* particles of a wet layer */
-  PBF_LOAD_PLACE = 10, /* their places before the solid's position */
-  PBF_LOAD_ALONG = 13, /* what a wall changes along itself, which is not in its change */
-  PBF_LOAD_SUMS = 16
+  PBF_LOAD_WET = 6,    /* particles of a wet layer */
+  PBF_LOAD_PLACE = 7,  /* their places before the solid's position */
+  PBF_LOAD_ALONG = 10, /* what a wall changes along itself, which is not in its change */
+  PBF_LOAD_SUMS = 13
 };
 
 typedef struct pbf_load_sums {
@@ -126,7 +126,6 @@ PBF_FN void pbf_load_units(double units_of_velocity, double lever, double units[
   for (int k = 0; k < 3; ++k) {
     units[PBF_LOAD_CHANGE + k] = units_of_velocity;
     units[PBF_LOAD_TURN + k] = units_of_velocity / lever;
-    units[PBF_LOAD_SIZE + k] = units_of_velocity;
     units[PBF_LOAD_PLACE + k] = 0x1p59 / lever;
     units[PBF_LOAD_ALONG + k] = units_of_velocity;
   }
@@ -422,7 +421,6 @@ PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_
     const int l = (k + 1) % 3, m = (k + 2) % 3;
     number[PBF_LOAD_CHANGE + k] = u[k];
     number[PBF_LOAD_TURN + k] = r[l] * u[m] - r[m] * u[l];
-    number[PBF_LOAD_SIZE + k] = fabs(u[k]);
     number[PBF_LOAD_PLACE + k] = number[PBF_LOAD_WET] * r[k];
   }
   pbf_load_units(s->velocity, lever, units);
@@ -464,13 +462,23 @@ PBF_FN double load_sum_over(const Tally *t, int solids, int which) {
   return sum;
 }
 
+/* Of their sizes. */
+template <class Tally>
+PBF_FN double load_size_over(const Tally *t, int solids, int which) {
+  double sum = 0;
+  for (int solid = 0; solid < solids; ++solid)
+    sum += fabs(pbf_wide_value(t->sums[solid].of[which]));
+  return sum;
+}
+
 /* How the first `solids` of all share a change. */
 template <class Tally>
 PBF_FN load_rest load_rest_of(const Tally *t, int solids, int axis, double change) {
-  load_rest rest = {change, load_sum_over(t, solids, PBF_LOAD_SIZE + axis), PBF_LOAD_SIZE + axis};
+  load_rest rest = {change, load_size_over(t, solids, PBF_LOAD_CHANGE + axis),
+                    PBF_LOAD_CHANGE + axis};
   if (rest.sum > 0) return rest;
   rest.by = PBF_LOAD_WET;
-  rest.sum = load_sum_over(t, solids, PBF_LOAD_WET);
+  rest.sum = load_size_over(t, solids, PBF_LOAD_WET);
   return rest;
 }
 
@@ -485,7 +493,7 @@ PBF_FN void find_load_rests(const Tally *t, int k, load_rests *rests) {
   const int solids = pbf_tally_solids(t);
   const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
   const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
-  const bool are_walls_across = load_sum_over(t, PBF_WALLS, PBF_LOAD_SIZE + k) > 0;
+  const bool are_walls_across = load_size_over(t, PBF_WALLS, PBF_LOAD_CHANGE + k) > 0;
   double rest = pbf_wide_value(t->change[k]) - known;
   if (!are_walls_across) rest += along;
   rests->walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
@@ -500,7 +508,7 @@ PBF_FN load_rests load_rests_of(const Tally *t) {
 }
 
 PBF_FN double load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
-  return rest.sum > 0 ? rest.change * (pbf_wide_value(sums->of[rest.by]) / rest.sum) : 0;
+  return rest.sum > 0 ? rest.change * (fabs(pbf_wide_value(sums->of[rest.by])) / rest.sum) : 0;
 }
 
 /* A solid's load from its sums. */

@@ -243,6 +243,40 @@ static void check_raft(uint32_t precision, double angle, double time_step) {
   load_end(&s);
 }
 
+static const double ball_radius = 5 * 0.05, ball_at[3] = {0.365, 0.56, 0.355};
+
+static int outside_ball(const double x[3]) {
+  double r2 = 0;
+  for (int k = 0; k < 3; ++k) r2 += (x[k] - ball_at[k]) * (x[k] - ball_at[k]);
+  return sqrt(r2) > ball_radius + 0.49 * load_spacing;
+}
+
+/* A ball in the middle of a tank not much wider. What is missing of the fluid's momentum, some
+ * hundredths of its weight, is no lift of the ball's, which pressures ten times its weight press
+ * on. */
+static void check_ball(uint32_t precision) {
+  const double domain[3] = {0.7, 2.2, 0.7}, size[3] = {0.7, 1.15, 0.7};
+  pbf_params params = load_params(3, domain);
+  params.pressure_grid = 2;
+  params.time_step = 1.0 / 40;
+  pbf_collider body = load_collider(PBF_COLLIDER_SPHERE, ball_at[0], ball_at[1], ball_at[2]);
+  body.radius = ball_radius;
+  load_scene s = load_scene_of(3, precision, &params, size, outside_ball, 1, &body);
+  pbf_collider_load load, walls[WALLS];
+  assert_ok(pbf_step(s.solver, 100));
+  load_colliders(&s, 1, &load);
+  load_walls(&s, walls);
+  assert_ok(pbf_step(s.solver, 60));
+  load_colliders(&s, 1, &load);
+  load_walls(&s, walls);
+  const double lift = load_gravity * 4.0 / 3 * acos(-1) * pow(ball_radius, 3);
+  const double weight = s.count * s.mass * load_gravity;
+  check_near("a ball's lift", force(&load, 1), lift, 0.05);
+  assert_true(fabs(force(&load, 0)) < 0.03 * lift && fabs(force(&load, 2)) < 0.03 * lift);
+  check_near("what the floor carries", -force(&walls[PBF_WALL_Y_MIN], 1), weight + lift, 0.01);
+  load_end(&s);
+}
+
 /* A plate a spacing thick lies on another one: that has no water at it. */
 static void check_covered(uint32_t precision) {
   const double domain[3] = {0.4, 3, 1}, size[3] = {0.4, 1.5, 1};
@@ -268,7 +302,10 @@ static void check_covered(uint32_t precision) {
 }
 
 static void check_rafts(uint32_t dimension, uint32_t precision) {
-  if (dimension != 2) return;
+  if (dimension == 3) {
+    check_ball(precision);
+    return;
+  }
   check_covered(precision);
   check_raft(precision, 0.35, 1.0 / 60);
   check_raft(precision, 0, 1.0 / 30);
