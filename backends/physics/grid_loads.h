@@ -124,8 +124,8 @@ PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, co
   double slope[PBF_DIM];
   const double p = pressure(x, slope), factor = -s->time_step * particles;
   for (int k = 0; k < count; ++k)
-    take(of[k].plane, grid_load_of_solid(grid_load_share(of, count, k, p, slope),
-                                         of[k].plane.solid, factor));
+    take(of[k].plane,
+         grid_load_of_solid(grid_load_share(of, count, k, p, slope), of[k].plane.solid, factor));
 }
 
 /* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
