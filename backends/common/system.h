@@ -122,11 +122,19 @@ uintptr_t pbf_this_thread(void);
 /* Lets others run. */
 void pbf_yield(void);
 
-/* A thread on which no signal of the program is handled; 1 once it runs. `stack_bytes` 0: the
- * program's default, and 256 KiB at least. The struct stays where it is until the thread has begun.
- */
-int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user);
+/* Whether functions of the program run in a thread. */
+typedef enum pbf_thread_kind { PBF_THREAD_OWN, PBF_THREAD_OF_CALLBACKS } pbf_thread_kind;
+
+/* A thread that takes no signals but what faults in it raise, and, where callbacks run in it, those
+ * by which runtimes of other languages stop a thread: these as the calling thread takes them. 1
+ * once it runs. `stack_bytes` 0: the program's default, and 256 KiB at least. The struct stays
+ * where it is until the thread has begun. */
+int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_bytes,
+                     void *(*run)(void *), void *user);
 void pbf_thread_join(pbf_thread *thread);
+
+/* In place of the join, also in the thread itself. */
+void pbf_thread_detach(pbf_thread *thread);
 
 /* What pbf_this_thread gives in it. */
 uintptr_t pbf_thread_of(const pbf_thread *thread);

@@ -92,14 +92,43 @@ static size_t usual_stack(const pthread_attr_t *attributes) {
   return pthread_attr_getstacksize(attributes, &usual) == 0 && usual > LEAST ? usual : LEAST;
 }
 
-int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
-  sigset_t all, before;
+static void leave_as_before(sigset_t *blocked, const sigset_t *before, int signal) {
+  if (!sigismember(before, signal)) sigdelset(blocked, signal);
+}
+
+/* A fault whose signal is blocked ends the process, past the handler by which a runtime makes an
+ * exception of it, or a program a report. */
+static void leave_faults(sigset_t *blocked, const sigset_t *before) {
+  static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
+  for (size_t k = 0; k < sizeof faults / sizeof faults[0]; ++k)
+    leave_as_before(blocked, before, faults[k]);
+}
+
+/* Collectors of garbage stop each thread that has run their language, and wait until it has
+ * stopped: Mono's by real-time signals, Boehm's by SIGPWR and SIGXCPU. */
+static void leave_stops(sigset_t *blocked, const sigset_t *before) {
+#ifdef SIGPWR
+  leave_as_before(blocked, before, SIGPWR);
+#endif
+  leave_as_before(blocked, before, SIGXCPU);
+#ifdef SIGRTMIN
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal)
+    leave_as_before(blocked, before, signal);
+#endif
+}
+
+int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_bytes,
+                     void *(*run)(void *), void *user) {
+  sigset_t blocked, before;
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return 0;
   if (!stack_bytes) stack_bytes = usual_stack(&attributes);
   pthread_attr_setstacksize(&attributes, stack_bytes);
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before); /* which a thread has from the one that starts it */
+  sigfillset(&blocked);
+  pthread_sigmask(SIG_SETMASK, NULL, &before);
+  leave_faults(&blocked, &before);
+  if (kind == PBF_THREAD_OF_CALLBACKS) leave_stops(&blocked, &before);
+  pthread_sigmask(SIG_SETMASK, &blocked, NULL); /* which a thread has from the one that starts it */
   const int failed = pthread_create(&thread->thread, &attributes, run, user);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   pthread_attr_destroy(&attributes);
@@ -122,6 +151,8 @@ void pbf_thread_join(pbf_thread *thread) {
 void pbf_thread_join(pbf_thread *thread) { pthread_join(thread->thread, NULL); }
 
 #endif
+
+void pbf_thread_detach(pbf_thread *thread) { pthread_detach(thread->thread); }
 
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return (uintptr_t)thread->thread; }
 

@@ -70,8 +70,10 @@ static DWORD WINAPI run_thread(void *user) {
   return 0;
 }
 
-int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
+int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_bytes,
+                     void *(*run)(void *), void *user) {
   DWORD number = 0;
+  (void)kind;
   thread->run = run;
   thread->user = user;
   thread->handle = CreateThread(NULL, stack_bytes, run_thread, thread,
@@ -84,6 +86,8 @@ void pbf_thread_join(pbf_thread *thread) {
   WaitForSingleObject(thread->handle, INFINITE);
   CloseHandle(thread->handle);
 }
+
+void pbf_thread_detach(pbf_thread *thread) { CloseHandle(thread->handle); }
 
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return thread->number; }
 

@@ -75,7 +75,9 @@ uint32_t startable_threads(uint32_t wanted, size_t stack_bytes) {
   pbf_mutex_lock(&gate);
   while (here < wanted) {
     probes[here].gate = &gate;
-    if (!pbf_thread_start(&probes[here].thread, stack_bytes, wait_at_gate, &probes[here])) break;
+    if (!pbf_thread_start(&probes[here].thread, PBF_THREAD_OWN, stack_bytes, wait_at_gate,
+                          &probes[here]))
+      break;
     ++here;
   }
   pbf_mutex_unlock(&gate);

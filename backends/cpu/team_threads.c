@@ -149,7 +149,7 @@ static void see_process(void) {
 
 /* With the lock held. */
 static int add_thread(void) {
-  const int runs = pbf_thread_start(&pool.threads[pool.size], STACK_BYTES, work,
+  const int runs = pbf_thread_start(&pool.threads[pool.size], PBF_THREAD_OWN, STACK_BYTES, work,
                                     (void *)(uintptr_t)pool.generation);
   pool.size += runs;
   return runs;

@@ -25,7 +25,10 @@ local pbf = { Error = core.Error }
 setmetatable(pbf, { __index = function(_, name) return C["PBF_" .. name] end })
 
 local function params_from(fields)
-  if type(fields) == "cdata" then return fields end
+  if type(fields) == "cdata" then
+    if not ffi.istype("pbf_params", fields) then invalid("params is %s; it must be a table, or a pbf_params", tostring(fields)) end
+    return fields
+  end
   local params = new("pbf_params")
   call("pbf_params_init", params, ffi.sizeof(params))
   return assign("params", params, fields)
@@ -40,7 +43,9 @@ function pbf.version()
 end
 
 -- Loads a plugin from an absolute path, for the life of the process: the code in it is run.
-function pbf.load_backend(path) call("pbf_load_backend", need("string", "path", path, "an absolute path")) end
+function pbf.load_backend(path)
+  call("pbf_load_backend", core.c_string("path", need("string", "path", path, "an absolute path")))
+end
 
 -- Every backend found: tables of name, available, score, device_name, reason.
 function pbf.backends()
@@ -115,12 +120,14 @@ function Solver:close()
   local handle = self.handle
   if not handle then return end
   self.handle = nil
-  if self.batch then
-    C.pbf_cancel(handle) -- steps that have begun end
-    C.pbf_end_step(handle)
-  else
-    self.destroy(ffi.gc(handle, nil))
-  end
+  core.when_left({ [self] = true }, function()
+    if self.batch then
+      C.pbf_cancel(handle) -- steps that have begun end
+      C.pbf_end_step(handle)
+    else
+      self.destroy(ffi.gc(handle, nil))
+    end
+  end)
 end
 
 -- ---- Arrays ----
@@ -207,8 +214,10 @@ function Solver:map(field, with)
   need("function", "what is called with the view", with, "a function")
   local view = new("pbf_view")
   run(self, "pbf_map", field, view)
+  local handle = core.enter(self)
   local results = { pcall(with, view) }
-  run(self, "pbf_unmap", field)
+  C.pbf_unmap(handle, field)
+  core.leave(self)
   if not results[1] then error(results[2], 0) end
   return unpack(results, 2, table.maxn(results))
 end
@@ -229,7 +238,7 @@ function Solver:synchronize() run(self, "pbf_synchronize") end
 
 -- What changes of the present ones: a table; or all: a pbf_params.
 function Solver:set_params(fields)
-  local params = type(fields) == "cdata" and fields or assign("params", self:params(), fields)
+  local params = type(fields) == "cdata" and params_from(fields) or assign("params", self:params(), fields)
   params.struct_size = ffi.sizeof("pbf_params")
   run(self, "pbf_set_params", params)
 end

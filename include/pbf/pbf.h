@@ -38,12 +38,14 @@
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY,
- *             but for pbf_cancel, pbf_acquire_snapshot and pbf_release_snapshot.
+ *             but for pbf_cancel, pbf_unmap, pbf_acquire_snapshot and pbf_release_snapshot.
  *   stack     a call takes up to 64 KiB of it, on `cuda` what its driver takes.
  *   signals   so does a call in a signal handler, where its thread has been interrupted at a point
  *             at which it would wait for itself; pbf_destroy then does nothing. What allocates
  *             memory is no more to be called there than malloc. The library's own threads take no
- *             signals; OpenMP's take those that the program lets them.
+ *             signals but those of faults in them; those in which callbacks run also SIGPWR,
+ *             SIGXCPU and real-time ones, by which garbage collectors stop threads, where the
+ *             thread that starts them does. OpenMP's take those that the program lets them.
  *   callbacks (the allocator's, the log) should return. One that is left by a C++ exception or a
  *             longjmp leaves its call halfway: from then on the solver's calls in that thread
  *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
@@ -107,7 +109,9 @@ PBF_API uint32_t pbf_version(void);
  * PBF_ERROR_UNAVAILABLE: no backend, the sentence lists each one's reason. */
 PBF_API pbf_status pbf_create(const pbf_desc *desc, const pbf_params *params, pbf_solver **solver);
 
-/* Null is a no-op. Memory behind exported DLPack tensors lives on until their deleter runs. */
+/* Null is a no-op. Memory behind exported DLPack tensors lives on until their deleter runs. In a
+ * callback the call goes on to its end, begun steps to the end of the present one, without a log;
+ * then the solver is freed. */
 PBF_API void pbf_destroy(pbf_solver *solver);
 
 /* Runs `steps` time steps. A step that fails leaves particles and time as they were before it;
@@ -119,8 +123,9 @@ PBF_API pbf_status pbf_step(pbf_solver *solver, uint32_t steps);
  * at once, and a thread of the solver's own, which the first of these calls starts, runs the steps
  * with the others of its backend. pbf_end_step, from any thread, waits for them and returns what
  * pbf_step would. In between all other calls return PBF_ERROR_BUSY, but for pbf_cancel,
- * pbf_acquire_snapshot and pbf_release_snapshot; pbf_destroy cancels and waits. Callbacks, and
- * those of a task system, are called by that thread, and may not leave by an exception.
+ * pbf_acquire_snapshot and pbf_release_snapshot; pbf_destroy cancels and waits, but for one in a
+ * callback of theirs. Callbacks, and those of a task system, are called by that thread, and may not
+ * leave by an exception.
  * PBF_ERROR_STATE: no steps have begun; PBF_ERROR_OUT_OF_MEMORY: the thread can't be started. The
  * bits are those of pbf_step. */
 PBF_API pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps);

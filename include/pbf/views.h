@@ -34,7 +34,7 @@ typedef struct pbf_view {
 
 /* Read-only view of one field. While any view is mapped, calls that change the particles return
  * PBF_ERROR_STATE. On a device the data is ready in the solver's stream. Each successful map wants
- * one unmap of the same field. */
+ * one unmap of the same field, from any thread, also while another one is inside the solver. */
 PBF_API pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view);
 PBF_API pbf_status pbf_unmap(pbf_solver *solver, uint32_t field);
 

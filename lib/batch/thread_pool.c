@@ -76,7 +76,8 @@ static void take_room(pbf_thread_pool *pool, const pbf_allocator *allocator) {
 }
 
 static int start_thread(pbf_thread_pool *pool) {
-  const int runs = pbf_thread_start(&pool->threads[pool->started], STACK_BYTES, work, pool);
+  const int runs = pbf_thread_start(&pool->threads[pool->started], PBF_THREAD_OF_CALLBACKS,
+                                    STACK_BYTES, work, pool);
   pool->started += runs;
   return runs;
 }

@@ -1,5 +1,7 @@
 #include "views.h"
 
+#include <stdatomic.h>
+
 #include "error.h"
 #include "particles.h"
 #include "rank_views.h"
@@ -81,17 +83,18 @@ pbf_status pbf_map(pbf_solver *solver, uint32_t field, pbf_view *view) {
   return pbf_leave(solver, map(solver, field, view));
 }
 
-static pbf_status unmap(pbf_solver *solver, uint32_t field) {
-  pbf_status status = check_field(field);
-  if (status != PBF_OK) return status;
-  if (solver->mapped[field] == 0)
-    return pbf_fail(PBF_ERROR_STATE, "field is %u, of which no view is mapped", field);
-  --solver->mapped[field];
-  return PBF_OK;
+static pbf_status unmap(_Atomic uint32_t *mapped, uint32_t field) {
+  for (uint32_t now = *mapped; now > 0;)
+    if (atomic_compare_exchange_weak(mapped, &now, now - 1)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_STATE, "field is %u, of which no view is mapped", field);
 }
 
+/* Any thread, at any time: a collector of garbage has a thread of its own. */
 pbf_status pbf_unmap(pbf_solver *solver, uint32_t field) {
-  pbf_status status = pbf_enter(solver);
+  pbf_status status = pbf_hold(solver);
   if (status != PBF_OK) return status;
-  return pbf_leave(solver, unmap(solver, field));
+  status = check_field(field);
+  if (status == PBF_OK) status = unmap(&solver->mapped[field], field);
+  pbf_let_go(solver);
+  return status;
 }

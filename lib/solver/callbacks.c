@@ -1,5 +1,6 @@
 #include "callbacks.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -99,7 +100,8 @@ PBF_UNSANITIZED static void release(void *user, void *memory, uint64_t size, uin
 PBF_UNSANITIZED static void write_log(void *user, int32_t level, const char *message) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
   mark here;
-  if (!own->log) return;
+  if (!own->log || atomic_load_explicit(&((pbf_solver *)user)->destroyed, memory_order_relaxed))
+    return;
   begin(own, &here);
   own->log(own->log_user, level, message);
   end(own);

@@ -187,15 +187,21 @@ pbf_status pbf_leave_begun(pbf_solver *solver, pbf_status status) {
   return status;
 }
 
+int pbf_is_alone(pbf_solver *solver) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  const int is_alone = solver->begun == PBF_BEGUN_ALONE;
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+  return is_alone;
+}
+
 /* Steps that have begun are ended first, unless another thread does that. */
 static void end_begun(pbf_solver *solver) {
   int ends = 0;
   pbf_lock_take(PBF_LOCK_SOLVERS);
-  if (is_live(solver) && solver->begun == PBF_BEGUN_STEPS &&
-      solver->callbacks.thread != pbf_this_thread()) {
+  if (is_live(solver) && solver->begun == PBF_BEGUN_STEPS) {
     atomic_store_explicit(&solver->cancelled, 1, memory_order_relaxed);
-    solver->begun = PBF_BEGUN_ENDING;
-    ends = 1;
+    ends = solver->callbacks.thread != pbf_this_thread();
+    solver->begun = ends ? PBF_BEGUN_ENDING : PBF_BEGUN_ALONE;
   }
   pbf_lock_release(PBF_LOCK_SOLVERS);
   if (!ends) return;
@@ -236,6 +242,7 @@ static void destroy(pbf_solver *solver) {
     return;
   }
   *link = solver->next_live;
+  atomic_store_explicit(&solver->destroyed, 1, memory_order_relaxed);
   see_whether_left(solver);
   drop_reference(solver);
 }

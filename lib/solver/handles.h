@@ -18,6 +18,9 @@ void pbf_stay(pbf_solver *solver, uintptr_t runner);
 pbf_status pbf_begin_end(pbf_solver *solver);
 pbf_status pbf_leave_begun(pbf_solver *solver, pbf_status status);
 
+/* 1: one of their callbacks has destroyed the solver, so that the thread that runs them leaves. */
+int pbf_is_alone(pbf_solver *solver);
+
 /* A reference to a solver that there is, whatever call is inside. Fails as pbf_enter, but for
  * that. */
 pbf_status pbf_hold(pbf_solver *solver);

@@ -65,7 +65,8 @@ typedef enum pbf_left {
 typedef enum pbf_begun {
   PBF_BEGUN_NOT,
   PBF_BEGUN_STEPS,
-  PBF_BEGUN_ENDING /* a thread waits for them */
+  PBF_BEGUN_ENDING, /* a thread waits for them */
+  PBF_BEGUN_ALONE   /* a callback of theirs has destroyed the solver: none will wait */
 } pbf_begun;
 
 /* What views of a field show on ranks: particles/rank_views.h. */
@@ -85,6 +86,7 @@ struct pbf_solver {
   pbf_begun begun;
   uint32_t in_batch;          /* 1: it ends with its batch, not by pbf_destroy */
   _Atomic uint32_t cancelled; /* 1: the running call is to end after its present step */
+  _Atomic uint32_t destroyed; /* 1: a call that still runs logs no more */
 
   /* Belongs to the running call. */
   struct pbf_worker *worker;     /* which runs what is begun: worker.h; null: none has begun */
@@ -149,7 +151,7 @@ struct pbf_solver {
   struct pbf_phases *phases; /* lib/particles/phases.h; null: there are none */
 
   uint64_t generation;
-  uint32_t mapped[PBF_FIELD_COUNT];
+  _Atomic uint32_t mapped[PBF_FIELD_COUNT]; /* views of each field, which any thread may give back */
   pbf_rank_copy rank_copies[PBF_FIELD_COUNT];
 };
 

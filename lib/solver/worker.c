@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "handles.h"
 #include "memory.h"
 #include "os.h"
 
@@ -46,10 +47,21 @@ static void run_steps(pbf_solver *solver) {
   pbf_fp_end(solver->callers_fp);
 }
 
+/* What is left of the solver goes with the thread, or with the last snapshot. */
+static void end_alone(pbf_solver *solver) {
+  pbf_worker *worker = solver->worker;
+  worker->process = 0; /* so that none joins this thread */
+  pbf_thread_detach(&worker->thread);
+  pbf_condition_destroy(&worker->changed);
+  pbf_mutex_destroy(&worker->mutex);
+  pbf_leave_begun(solver, PBF_OK);
+}
+
 static void *work(void *user) {
   pbf_solver *solver = user;
   while (wait_while(solver->worker, IDLE, DONE) == BEGUN) {
     run_steps(solver);
+    if (pbf_is_alone(solver)) return end_alone(solver), NULL;
     set_state(solver->worker, DONE);
   }
   return NULL;
@@ -81,7 +93,7 @@ pbf_status pbf_worker_start(pbf_solver *solver) {
   solver->worker->process = 0;
   pbf_mutex_init(&solver->worker->mutex);
   pbf_condition_init(&solver->worker->changed);
-  if (!pbf_thread_start(&solver->worker->thread, 0, work, solver))
+  if (!pbf_thread_start(&solver->worker->thread, PBF_THREAD_OF_CALLBACKS, 0, work, solver))
     return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no thread for pbf_begin_step can be started");
   solver->worker->process = pbf_process();
   return PBF_OK;

@@ -351,6 +351,7 @@ internal static partial class Binding
             SprayFlies, WhatIsNoSprayIsRefused, ShapesAreAsFarAsTheirFaces, ShapesComeBackFromBytes, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
             QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
             FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
+            TheCollectorRunsInALogOfBegunSteps, ALogOfBegunStepsDisposes, ViewsAreDroppedBesideCalls, OfTwoThreadsOneGivesBack,
             WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall
         })
         {

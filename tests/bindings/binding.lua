@@ -27,6 +27,49 @@ end
 
 local tests = {}
 
+-- A view's memory stays until what was called with it has returned, and a log until its call has.
+function tests.closed_in_a_call()
+  local fluid, kept, calls = filled(), {}, 0
+  fluid:map("position", function(view)
+    fluid:close()
+    fluid:close()
+    for i = 1, 20 do kept[i] = filled() end -- in memory that was given back, if it was
+    local x = ffi.cast("const float *", view.data)
+    near(x[0], 0.5, 1e-6)
+    near(x[view.particle_stride / 4], 0.6, 1e-6)
+    refused("PBF_ERROR_INVALID_ARGUMENT", "closed", fluid.step, fluid)
+  end)
+  local batch = pbf.batch { backend = backend, capacity = 100, worlds = 2 }
+  batch:add({ 1, 1 }, { { 0.5, 0.5, 0.5 }, { 0.25, 0.5, 0.5 } })
+  local world, other = batch:world(1), batch:world(0)
+  world:map("position", function(view)
+    other:map("position", function(below)
+      batch:close()
+      for i = 1, 20 do kept[i] = filled() end
+      near(ffi.cast("const float *", below.data)[0], 0.5, 1e-6)
+    end)
+    near(ffi.cast("const float *", view.data)[0], 0.25, 1e-6)
+  end)
+  refused("PBF_ERROR_INVALID_ARGUMENT", "closed", world.step, world)
+  fluid = solver { params = { time_step = 0.5, attraction = 20 }, -- too long for both, and each is logged
+    log = function()
+      calls = calls + 1
+      fluid:close()
+      for i = 1, 20 do kept[i] = solver { log = function() error("another one's log") end } end
+    end }
+  fluid:add { { 0.5, 0.5, 0.5 } }
+  fluid:step()
+  assert(calls == 2, calls)
+  refused("PBF_ERROR_INVALID_ARGUMENT", "closed", fluid.step, fluid)
+end
+
+function tests.strings_have_no_zero()
+  refused("PBF_ERROR_INVALID_ARGUMENT", "desc.backend has a zero", pbf.solver, { backend = backend .. "\0x" })
+  refused("PBF_ERROR_INVALID_ARGUMENT", "path has a zero", pbf.load_backend, "/tmp\0x")
+  refused("PBF_ERROR_INVALID_ARGUMENT", "params is cdata", pbf.solver, { params = ffi.new("pbf_desc") })
+  refused("PBF_ERROR_INVALID_ARGUMENT", "params is cdata", filled().set_params, filled(), ffi.new("int[1]"))
+end
+
 function tests.structs_lie_as_in_c()
   local structs = 0
   for struct, layout in pairs(require("pbf.cdef")) do

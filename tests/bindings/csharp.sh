@@ -10,7 +10,8 @@ mkdir -p "$folder"
 cd "$folder"
 # Of what C# had when .NET Standard 2.0 came, and mscorlib alone.
 mcs -langversion:7.2 -warnaserror -noconfig -target:library -out:Pbf.dll "$csharp"/Pbf/*.cs
-mcs -langversion:7.2 -r:Pbf.dll -out:Binding.exe "$source/tests/bindings/Binding.cs" "$source/tests/bindings/Objects.cs"
+mcs -langversion:7.2 -r:Pbf.dll -out:Binding.exe "$source/tests/bindings/Binding.cs" "$source/tests/bindings/Objects.cs" \
+  "$source/tests/bindings/Runtime.cs"
 mcs -r:Pbf.dll -out:Splash.exe "$csharp/samples/Splash.cs"
 mcs -r:Pbf.dll -out:Pour.exe "$csharp/samples/Pour.cs"
 mcs -warn:0 -target:library -r:Pbf.dll -out:Samples.dll "$source/tests/bindings/EngineStubs.cs" \

@@ -205,10 +205,12 @@ namespace Pbf
         {
             SetHandle(batch);
             log = target;
+            if (log.IsAllocated) AtExit.Add(this);
         }
 
         protected override bool ReleaseHandle()
         {
+            AtExit.Remove(this);
             Native.pbf_batch_destroy(handle);
             if (log.IsAllocated) log.Free();
             return true;

@@ -1,5 +1,6 @@
 using System;
 using System.Runtime.InteropServices;
+using System.Threading;
 
 namespace Pbf
 {
@@ -7,11 +8,13 @@ namespace Pbf
     public sealed class Snapshot : IDisposable
     {
         private NativeSnapshot raw;
+        private int held; // 1: it is; of threads that release it at once one does
 
         internal Snapshot(SolverHandle solver)
         {
             raw.StructSize = (uint)Marshal.SizeOf(typeof(NativeSnapshot));
             PbfException.Check(Native.pbf_acquire_snapshot(solver, ref raw));
+            held = 1;
         }
 
         ~Snapshot() { Release(); }
@@ -34,18 +37,19 @@ namespace Pbf
 
         private void Copy(IntPtr from, Array into)
         {
-            if (raw.Owner == IntPtr.Zero) throw new ObjectDisposedException(nameof(Snapshot));
+            if (held == 0) throw new ObjectDisposedException(nameof(Snapshot));
             if ((into is float[]) != (raw.ElementType == Constants.TypeFloat32))
                 throw PbfException.Invalid("the array is not of the solver's precision");
             int numbers = (int)Math.Min(into.Length, raw.Count * (long)raw.Dimension);
             if (numbers == 0) return;
             if (into is float[] floats) Marshal.Copy(from, floats, 0, numbers);
             else Marshal.Copy(from, (double[])into, 0, numbers);
+            GC.KeepAlive(this);
         }
 
         private void Release()
         {
-            if (raw.Owner != IntPtr.Zero) Native.pbf_release_snapshot(ref raw);
+            if (Interlocked.Exchange(ref held, 0) == 1) Native.pbf_release_snapshot(ref raw);
         }
     }
 }

@@ -1,4 +1,5 @@
 using System;
+using System.Collections.Generic;
 using System.Runtime.ExceptionServices;
 using System.Runtime.InteropServices;
 
@@ -30,10 +31,12 @@ namespace Pbf
         {
             SetHandle(solver);
             log = target;
+            if (log.IsAllocated) AtExit.Add(this);
         }
 
         protected override bool ReleaseHandle()
         {
+            AtExit.Remove(this);
             Native.pbf_destroy(handle); // of a world nothing
             if (log.IsAllocated) log.Free();
             if (batch != null) batch.DangerousRelease();
@@ -47,6 +50,42 @@ namespace Pbf
     {
         public MonoPInvokeCallbackAttribute(Type type) { Type = type; }
         public Type Type { get; }
+    }
+
+    /// <summary>
+    /// Solvers and batches with a log. Their threads have run C# when they have called it, and Mono waits, when the
+    /// process ends, until no such thread is left.
+    /// </summary>
+    internal static class AtExit
+    {
+        private static readonly Dictionary<IntPtr, WeakReference> live = Listen();
+
+        internal static void Add(SafeHandle handle)
+        {
+            lock (live) live[handle.DangerousGetHandle()] = new WeakReference(handle, true);
+        }
+
+        internal static void Remove(SafeHandle handle)
+        {
+            lock (live) live.Remove(handle.DangerousGetHandle());
+        }
+
+        private static Dictionary<IntPtr, WeakReference> Listen()
+        {
+            AppDomain.CurrentDomain.ProcessExit += (sender, arguments) => End();
+            return new Dictionary<IntPtr, WeakReference>();
+        }
+
+        private static void End()
+        {
+            WeakReference[] left;
+            lock (live)
+            {
+                left = new WeakReference[live.Count];
+                live.Values.CopyTo(left, 0);
+            }
+            foreach (var reference in left) ((SafeHandle)reference.Target)?.Dispose();
+        }
     }
 
     /// <summary>What the library's log calls, and the first thing it threw that was not thrown on yet.</summary>

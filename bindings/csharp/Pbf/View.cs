@@ -1,5 +1,6 @@
 using System;
 using System.Runtime.InteropServices;
+using System.Threading;
 
 namespace Pbf
 {
@@ -11,7 +12,7 @@ namespace Pbf
     {
         private readonly SolverHandle solver;
         private readonly NativeView raw;
-        private bool mapped;
+        private int mapped; // 1: it is; of threads that give it back at once one does
 
         internal View(SolverHandle solver, uint field)
         {
@@ -22,11 +23,11 @@ namespace Pbf
             try
             {
                 PbfException.Check(Native.pbf_map(solver, field, ref raw));
-                mapped = true;
+                mapped = 1;
             }
             finally
             {
-                if (!mapped)
+                if (mapped == 0)
                 {
                     GC.SuppressFinalize(this);
                     solver.DangerousRelease();
@@ -56,29 +57,32 @@ namespace Pbf
             Check(i);
             if (c < 0 || c >= Components) throw new ArgumentOutOfRangeException(nameof(c));
             var at = new IntPtr(raw.Data.ToInt64() + i * raw.ParticleStride + c * raw.ComponentStride);
-            if (raw.ElementType == Constants.TypeFloat64)
-                return BitConverter.Int64BitsToDouble(Marshal.ReadInt64(at));
-            return BitConverter.ToSingle(BitConverter.GetBytes(Marshal.ReadInt32(at)), 0);
+            double value = raw.ElementType == Constants.TypeFloat64
+                ? BitConverter.Int64BitsToDouble(Marshal.ReadInt64(at))
+                : BitConverter.ToSingle(BitConverter.GetBytes(Marshal.ReadInt32(at)), 0);
+            GC.KeepAlive(this);
+            return value;
         }
 
         /// <summary>Which particle element i is.</summary>
         public uint Id(int i)
         {
             Check(i);
-            return (uint)Marshal.ReadInt32(raw.Ids, 4 * i);
+            uint id = (uint)Marshal.ReadInt32(raw.Ids, 4 * i);
+            GC.KeepAlive(this);
+            return id;
         }
 
         private void Check(int i)
         {
-            if (!mapped) throw new ObjectDisposedException(nameof(View));
+            if (mapped == 0) throw new ObjectDisposedException(nameof(View));
             if (!OnHost) throw new InvalidOperationException("the view is of a device's memory");
             if (i < 0 || i >= Count) throw new ArgumentOutOfRangeException(nameof(i));
         }
 
         private void Unmap()
         {
-            if (!mapped) return;
-            mapped = false;
+            if (Interlocked.Exchange(ref mapped, 0) == 0) return;
             Native.pbf_unmap(solver.DangerousGetHandle(), raw.Field);
             solver.DangerousRelease();
         }

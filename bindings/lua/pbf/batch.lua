@@ -28,7 +28,7 @@ function Batch:close()
   if not handle then return end
   self.handle = nil
   for world in pairs(self.given) do world.handle = nil end
-  C.pbf_batch_destroy(ffi.gc(handle, nil))
+  core.when_left(self.given, function() C.pbf_batch_destroy(ffi.gc(handle, nil)) end)
 end
 
 -- A pbf_batch_info.

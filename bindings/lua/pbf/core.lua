@@ -50,8 +50,15 @@ local function unsigned(what, value)
   return number
 end
 
+-- A string for C, where it ends at its first zero.
+local function c_string(what, value)
+  if value:find("\0", 1, true) then invalid("%s has a zero in it: %s", what, shown(value)) end
+  return value
+end
+
 -- Puts a value where C has a field or an element. What does not come back as it was given does not fit there.
 local function put(what, place, name, value)
+  if type(value) == "string" then c_string(what, value) end
   local done = pcall(function() place[name] = value end)
   if not done then invalid("%s is %s, which is no value for it", what, shown(value)) end
   local kept = place[name]
@@ -173,10 +180,37 @@ local function named(names)
   end, function(number) return names[number + 1] end
 end
 
+-- What is closed in a call, by its log or by what is called with a view, is destroyed when the call has returned.
+local function enter(self)
+  if not self.handle then invalid("the %s is closed", self.what) end
+  self.inside = (self.inside or 0) + 1
+  return self.handle
+end
+
+local function leave(self)
+  self.inside = self.inside - 1
+  local at_end = self.at_end
+  if self.inside > 0 or not at_end then return end
+  self.at_end = nil
+  at_end()
+end
+
+-- Calls when no call is inside any of these, now or then.
+local function when_left(objects, destroy)
+  for object in pairs(objects) do
+    if (object.inside or 0) > 0 then
+      object.at_end = function() when_left(objects, destroy) end
+      return
+    end
+  end
+  destroy()
+end
+
 -- Calls with the object's handle; an error of the log goes on when the call has returned.
 local function run(self, name, ...)
-  if not self.handle then invalid("the %s is closed", self.what) end
-  local done, why = pcall(call, name, self.handle, ...)
+  local handle = enter(self)
+  local done, why = pcall(call, name, handle, ...)
+  leave(self)
   local thrown = self.thrown and self.thrown.error
   if thrown ~= nil then self.thrown.error = nil end
   if not done then error(why, 0) end
@@ -198,6 +232,6 @@ local function alive() end
 jit.off(alive)
 
 return {
-  C = C, Error = Error, failure = failure, invalid = invalid, call = call, new = new, need = need, unsigned = unsigned, assign = assign,
-  rows_of = rows_of, fields_of = fields_of, structs_of = structs_of, named = named, run = run, number_of = number_of, alive = alive,
+  C = C, Error = Error, failure = failure, invalid = invalid, call = call, new = new, need = need, c_string = c_string, unsigned = unsigned, assign = assign,
+  rows_of = rows_of, fields_of = fields_of, structs_of = structs_of, named = named, enter = enter, leave = leave, when_left = when_left, run = run, number_of = number_of, alive = alive,
 }

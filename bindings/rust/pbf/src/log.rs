@@ -58,9 +58,10 @@ pub(crate) fn unless_it_panicked(made: Result<()>, target: &Option<Arc<Target>>)
     made
 }
 
-/// `user` is a Target that outlives the solver.
+/// `user` is a Target that lives when the call begins. The log may drop the solver, and so what held it.
 unsafe extern "C" fn write(user: *mut c_void, level: i32, message: *const c_char) {
-    let target = &*(user as *const Target);
+    Arc::increment_strong_count(user as *const Target);
+    let target = Arc::from_raw(user as *const Target);
     let wrote = catch_unwind(AssertUnwindSafe(|| {
         let level = if level as u32 == sys::PBF_LOG_INFO {
             Level::Info
@@ -71,5 +72,8 @@ unsafe extern "C" fn write(user: *mut c_void, level: i32, message: *const c_char
     }));
     if let Err(payload) = wrote {
         target.keep(payload);
+    }
+    if let Err(payload) = catch_unwind(AssertUnwindSafe(|| drop(target))) {
+        std::mem::forget(payload);
     }
 }

@@ -1,7 +1,7 @@
 //! The crate against the library; the backend is that of PBF_TEST_BACKEND, or "auto".
 use pbf::{Collider, Desc, Error, Field, Level, Params, Solver, Status};
 use std::panic::{catch_unwind, AssertUnwindSafe};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 fn desc() -> Desc {
@@ -314,4 +314,43 @@ fn the_process_may_end_with_a_solver() {
     let mut fluid = filled();
     fluid.begin_step(u32::MAX).unwrap();
     std::mem::forget(fluid);
+}
+
+static LOGS_GONE: AtomicU32 = AtomicU32::new(0);
+
+/// What a log has for its own.
+struct Held;
+impl Drop for Held {
+    fn drop(&mut self) {
+        LOGS_GONE.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn a_log_of_begun_steps_drops_its_solver() {
+    let slot: Arc<Mutex<Option<Solver<f32>>>> = Arc::default();
+    let (taken, told) = (slot.clone(), Arc::new(AtomicU32::new(0)));
+    let (held, heard) = (Held, told.clone());
+    let mut params = Params::default();
+    params.time_step = 0.5;
+    params.attraction = 20.; // steps are too long for both
+    let mut fluid = Solver::<f32>::new(
+        &desc().with_log(move |_, _| {
+            let _own = &held;
+            drop(taken.lock().unwrap().take());
+            // While it runs it has what it holds.
+            heard.fetch_add(1 + 100 * LOGS_GONE.load(Ordering::SeqCst), Ordering::SeqCst);
+        }),
+        &params,
+    )
+    .unwrap();
+    fluid.add_particles(&[0.5, 0.5, 0.5], None).unwrap();
+    let mut held_back = slot.lock().unwrap();
+    fluid.begin_step(u32::MAX).unwrap();
+    *held_back = Some(fluid);
+    drop(held_back);
+    while LOGS_GONE.load(Ordering::SeqCst) == 0 {
+        std::thread::yield_now();
+    }
+    assert_eq!(told.load(Ordering::SeqCst), 1);
 }
