@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/content.h"
+#include "core/output_file.h"
 #include "core/standard_streams.h"
 #include "mesh_file.h"
 
@@ -111,38 +112,12 @@ Shape bake_hull(const bake::Mesh &mesh, const Options &options, double cell) {
 
 // ---- Files ---------------------------------------------------------------------------------------
 
-bool write_bytes(const fs::path &path, const std::vector<char> &bytes) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  return static_cast<bool>(out);
-}
-
-// Beside the file that is there, and in its place once it is whole: where it can't be written the
-// old one stays. What is no file, as a pipe, has none beside it.
-bool replace_file(const std::string &path, const std::vector<char> &bytes) {
-  std::error_code failed;
-  const fs::file_status there = fs::status(path, failed);
-  if (there.type() == fs::file_type::none) return false;  // as where links lead to each other
-  if (fs::exists(there) && !fs::is_regular_file(there)) return write_bytes(path, bytes);
-  fs::path target = fs::weakly_canonical(path, failed);
-  if (failed) target = path;
-  const fs::path fresh = target.string() + ".new";
-  if (write_bytes(fresh, bytes)) {
-    if (fs::exists(there)) fs::permissions(fresh, there.permissions(), failed);
-    fs::rename(fresh, target, failed);
-    if (!failed) return true;
-  }
-  fs::remove(fresh, failed);
-  return false;
-}
-
 void write(pbf_shape *shape, const std::string &path) {
   uint64_t size = 0;
   check(pbf_save_shape(shape, nullptr, &size), path);
-  std::vector<char> bytes(size);
+  std::string bytes(size, '\0');
   check(pbf_save_shape(shape, bytes.data(), &size), path);
-  if (!replace_file(path, bytes)) throw std::runtime_error(path + " can't be written");
+  bench::write_file(path, bytes);
 }
 
 Shape read(const std::string &path) {

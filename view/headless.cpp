@@ -2,10 +2,10 @@
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 
 #include "core/error.h"
+#include "core/output_file.h"
 #include "interface.h"
 #include "offscreen.h"
 #include "painter.h"
@@ -22,10 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 void write_png(const std::string &path, int width, int height,
                const std::vector<unsigned char> &rgb) {
-  std::ofstream out(path, std::ios::binary);
-  out << bench::encode_png(width, height, rgb.data());
-  out.close();
-  if (!out) throw bench::Error(bench::exit_failure, path + " can't be written");
+  bench::write_file(path, bench::encode_png(width, height, rgb.data()));
 }
 
 Camera camera_for(const Options &options, const Reading &reading) {

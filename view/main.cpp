@@ -5,6 +5,7 @@
 
 #include "commands/options.h"
 #include "core/error.h"
+#include "core/standard_streams.h"
 #include "headless.h"
 #include "window.h"
 
@@ -76,6 +77,7 @@ void add_options(CLI::App &app, Options &options) {
 }  // namespace
 
 int main(int argc, char **argv) {
+  bench::prepare_standard_streams();
   CLI::App app("Position based fluids: scenes as they run", "pbf-view");
   app.failure_message(CLI::FailureMessage::simple);
   app.footer(

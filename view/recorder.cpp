@@ -8,9 +8,9 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
+#include "core/output_file.h"
 #include "report/png.h"
 
 extern char **environ;
@@ -82,10 +82,7 @@ void Recorder::add(const std::vector<unsigned char> &rgb) {
   }
   char name[32];
   std::snprintf(name, sizeof name, "/%06u.png", pictures_++);
-  std::ofstream out(path_ + name, std::ios::binary);
-  out << bench::encode_png(width_, height_, rgb.data());
-  out.close();
-  if (!out) throw Error(bench::exit_failure, path_ + name + " can't be written");
+  bench::write_file(path_ + name, bench::encode_png(width_, height_, rgb.data()));
 }
 
 void Recorder::finish() {

@@ -1,10 +1,7 @@
 /* The rows of an ablation as a table, JSON and a page. */
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
@@ -12,6 +9,7 @@
 #include "ablation/ablation.h"
 #include "core/error.h"
 #include "core/machine.h"
+#include "core/output_file.h"
 #include "core/resources.h"
 #include "core/table.h"
 #include "report/render.h"
@@ -210,11 +208,6 @@ std::string machine_text(const Ablation &ablation) {
          std::to_string(machine.cpus) + " CPUs; " + info.build_id + "; commit " + machine.commit;
 }
 
-void finish(std::ofstream &file, const std::string &path) {
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
-}
-
 }  // namespace
 
 std::string ablation_table(const Ablation &ablation) {
@@ -237,9 +230,7 @@ void write_ablation_json(const Ablation &ablation, const std::string &path) {
                     {"commit", machine.commit},
                     {"features", rows_json(ablation.variants)},
                     {"builds", rows_json(ablation.builds)}};
-  std::ofstream file(path);
-  file << out.dump(2) << '\n';
-  finish(file, path);
+  write_file(path, out.dump(2) + '\n');
 }
 
 void write_ablation_page(const Ablation &ablation, const std::string &path) {

@@ -1,12 +1,12 @@
 /* pbf-bench picture: draws saved states. */
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/content.h"
 #include "core/error.h"
+#include "core/output_file.h"
 #include "report/portrait.h"
 
 namespace bench {
@@ -40,12 +40,7 @@ int draw(const PictureOptions &options) {
 
 }  // namespace
 
-void write_picture(const std::string &path, const std::string &png) {
-  std::ofstream out(path, std::ios::binary);
-  out << png;
-  out.close();
-  if (!out) throw Error(exit_failure, path + " can't be written");
-}
+void write_picture(const std::string &path, const std::string &png) { write_file(path, png); }
 
 void add_portrait_options(CLI::App &command, Portrait &portrait) {
   command.add_option("--width", portrait.width, "pixels")

@@ -7,6 +7,7 @@
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/error.h"
+#include "core/interrupt.h"
 #include "core/solver.h"
 #include "core/surroundings.h"
 #include "record/recording.h"
@@ -76,19 +77,22 @@ int record(RecordOptions options) {
   size_t next = 0;
   std::vector<pbf_collider> colliders = colliders_of(solver.handle());
   const uint64_t steps = uint64_t{scene.lead_in_steps} + scene.steps;
-  for (uint64_t step = 0; step < steps; ++step) {
+  uint64_t step = 0;
+  catch_interrupts();
+  while (step < steps && !interrupted()) {
     for (; next < changes.size() && changes[next].step == step; ++next)
       apply_change(changes[next], options, solver, writer);
     solver.step(1);
-    if ((step + 1) % options.every == 0 || step + 1 == steps) writer.hash();
+    ++step;
+    if (step % options.every == 0 || step == steps || interrupted()) writer.hash();
     const std::vector<pbf_collider> now = colliders_of(solver.handle());
     if (turned(colliders, now)) writer.colliders(now);
     colliders = now;
   }
   writer.finish();
-  std::printf("%s: %" PRIu64 " steps, state %016" PRIx64 "\n", options.to.c_str(), steps,
+  std::printf("%s: %" PRIu64 " steps, state %016" PRIx64 "\n", options.to.c_str(), step,
               solver.hash());
-  return exit_ok;
+  return interrupted() ? exit_interrupted : exit_ok;
 }
 
 // ---- replay ----

@@ -1,12 +1,12 @@
 /* pbf-bench stability: stiff and extreme cases on every backend, judged from their dumps. */
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/error.h"
 #include "core/interrupt.h"
+#include "core/output_file.h"
 #include "core/scratch.h"
 #include "stability/suite.h"
 #include "stability/trial.h"
@@ -44,12 +44,7 @@ int judge_and_show(const StabilityOptions &options) {
   const Judgement judgement = judge(options.suite);
   std::printf("%s", verdict_table(judgement).c_str());
   std::fflush(stdout);
-  if (!options.json.empty()) {
-    std::ofstream file(options.json, std::ios::binary);
-    file << judgement.text;
-    file.close();
-    if (!file) throw Error(exit_failure, options.json + " can't be written");
-  }
+  if (!options.json.empty()) write_file(options.json, judgement.text);
   if (!options.html.empty()) write_verdict_page(judgement, options.html);
   return exit_code_of(judgement, options.known);
 }

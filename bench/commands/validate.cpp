@@ -1,11 +1,11 @@
 /* pbf-bench validate: what the fluid does, against closed forms. */
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/error.h"
+#include "core/output_file.h"
 #include "physics/run.h"
 
 namespace bench {
@@ -85,10 +85,7 @@ int validate(const ValidateOptions &options) {
                                  {"backend", options.physics.solver.backend},
                                  {"build", build_of(options.physics)},
                                  {"cases", all}};
-  std::ofstream file(options.json, std::ios::binary);
-  file << report.dump(1) << "\n";
-  file.close();
-  if (!file) throw Error(exit_failure, options.json + " can't be written");
+  write_file(options.json, report.dump(1) + "\n");
   return exit_ok;
 }
 

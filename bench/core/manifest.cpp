@@ -1,9 +1,8 @@
 #include "core/manifest.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "core/output_file.h"
 
 namespace bench {
 namespace {
@@ -67,10 +66,7 @@ nlohmann::json manifest_of(const Scene &scene, const pbf_info &info) {
 }
 
 void write_manifest(const std::string &path, const Scene &scene, const pbf_info &info) {
-  std::ofstream file(path);
-  file << manifest_of(scene, info).dump(2) << '\n';
-  file.flush();
-  if (!file) throw Error(exit_failure, path + " can't be written");
+  write_file(path, manifest_of(scene, info).dump(2) + '\n');
 }
 
 }  // namespace bench

@@ -1,10 +1,8 @@
 #include "core/npy.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <cstdio>
 
-#include "core/error.h"
+#include "core/output_file.h"
 
 namespace bench {
 namespace {
@@ -29,13 +27,11 @@ std::string npy_header(uint64_t rows, uint64_t columns, uint32_t element_size) {
 
 void write_npy(const std::string &path, const void *data, uint64_t rows, uint64_t columns,
                uint32_t element_size) {
-  const std::string header = npy_header(rows, columns, element_size);
-  std::ofstream file(path, std::ios::binary);
-  file.write(header.data(), static_cast<std::streamsize>(header.size()));
-  file.write(static_cast<const char *>(data),
-             static_cast<std::streamsize>(rows * (columns > 0 ? columns : 1) * element_size));
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  const size_t size = rows * (columns > 0 ? columns : 1) * element_size;
+  OutputFile file(path);
+  file.write(npy_header(rows, columns, element_size));
+  std::fwrite(data, 1, size, file.stream());
+  file.keep();
 }
 
 }  // namespace bench

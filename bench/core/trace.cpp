@@ -2,9 +2,12 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 
+#include "core/content.h"
 #include "core/error.h"
 
 namespace bench {
@@ -37,22 +40,49 @@ std::string trace_row(const pbf_info &info, const pbf_stats &stats) {
 }
 
 Trace::Trace(const std::string &path) : path_(path) {
-  if (path_ != "-") file_.open(path_, std::ios::binary);
+  if (path_ != "-") file_ = std::make_unique<OutputFile>(path_, OutputFile::as_it_goes);
   write(trace_header());
 }
 
 void Trace::add(const pbf_info &info, const pbf_stats &stats) { write(trace_row(info, stats)); }
 
 void Trace::write(const std::string &line) {
-  std::ostream &out = path_ == "-" ? std::cout : file_;
-  out << line;
-  if (!out) throw Error(exit_failure, path_ + " can't be written: " + std::strerror(errno));
+  if (!file_) {
+    std::cout << line;
+    return check_output();
+  }
+  try {
+    file_->write(line);
+  } catch (const Error &) {
+    cut_to_whole_rows();
+    throw;
+  }
 }
 
 void Trace::finish() {
-  std::ostream &out = path_ == "-" ? std::cout : file_;
-  out.flush();
-  if (!out) throw Error(exit_failure, path_ + " can't be written: " + std::strerror(errno));
+  if (!file_) {
+    std::cout.flush();
+    return check_output();
+  }
+  try {
+    file_->keep();
+  } catch (const Error &) {
+    cut_to_whole_rows();
+    throw;
+  }
+}
+
+void Trace::check_output() const {
+  if (!std::cout) throw Error(exit_failure, path_ + " can't be written: " + std::strerror(errno));
+}
+
+// Where the disk is full, the last row ends anywhere.
+void Trace::cut_to_whole_rows() {
+  std::error_code failed;
+  file_.reset();
+  if (!std::filesystem::is_regular_file(path_, failed)) return;
+  const size_t end = content_of(path_, UINTMAX_MAX).rfind('\n');
+  std::filesystem::resize_file(path_, end == std::string::npos ? 0 : end + 1, failed);
 }
 
 }  // namespace bench

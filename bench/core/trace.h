@@ -4,8 +4,10 @@
 
 #include <pbf/pbf.h>
 
-#include <fstream>
+#include <memory>
 #include <string>
+
+#include "core/output_file.h"
 
 namespace bench {
 
@@ -13,7 +15,7 @@ namespace bench {
 std::string trace_header();
 std::string trace_row(const pbf_info &info, const pbf_stats &stats);
 
-// A CSV file; "-" is standard output.
+// A CSV file, which may be read while it grows; "-" is standard output.
 class Trace {
  public:
   explicit Trace(const std::string &path);
@@ -22,9 +24,11 @@ class Trace {
 
  private:
   void write(const std::string &line);
+  void check_output() const;
+  void cut_to_whole_rows();
 
   std::string path_;
-  std::ofstream file_;
+  std::unique_ptr<OutputFile> file_;  // null: standard output
 };
 
 }  // namespace bench

@@ -1,12 +1,11 @@
 #include "pareto/results.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
 
 #include "core/error.h"
+#include "core/output_file.h"
 #include "pareto/analysis.h"
 
 namespace bench {
@@ -147,18 +146,11 @@ size_t resume(const std::string &path, Study &study) {
   return known.size() - fit;
 }
 
-// Beside the file first, then in its place: it is whole at every moment.
 void write_results(const Study &study, const std::string &path) {
   const fs::path folder = fs::path(path).parent_path();
   std::error_code failed;
   if (!folder.empty()) fs::create_directories(folder, failed);
-  const std::string fresh = path + ".new";
-  std::ofstream file(fresh, std::ios::binary);
-  file << study_json(study).dump(1) << '\n';
-  file.close();
-  if (!file) throw Error(exit_failure, fresh + " can't be written: " + std::strerror(errno));
-  fs::rename(fresh, path, failed);
-  if (failed) throw Error(exit_failure, path + " can't be written: " + failed.message());
+  write_file(path, study_json(study).dump(1) + '\n');
 }
 
 }  // namespace bench

@@ -128,8 +128,7 @@ bool read_line(const std::string &line, bool first, Recording &recording) {
 
 RecordWriter::RecordWriter(const std::string &path, pbf_solver *solver,
                            const std::vector<SceneShape> &shapes)
-    : path_(path), file_(std::fopen(path.c_str(), "w")), solver_(solver), shapes_(shapes) {
-  if (!file_) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+    : out_(path), file_(out_.stream()), solver_(solver), shapes_(shapes) {
   const pbf_info info = info_of(solver);
   std::fprintf(file_, "pbf-record 1 %u %u %u %u %s\nbuild %s\ndevice %s\n", info.dimension,
                info.precision, info.capacity, info.threads, info.backend, info.build_id,
@@ -141,10 +140,6 @@ RecordWriter::RecordWriter(const std::string &path, pbf_solver *solver,
 void RecordWriter::write_shapes(unsigned dimension) {
   for (const SceneShape &shape : shapes_)
     std::fprintf(file_, "shape %s\n", shape_json(shape.source, dimension).dump().c_str());
-}
-
-RecordWriter::~RecordWriter() {
-  if (file_) std::fclose(file_);
 }
 
 void RecordWriter::state() {
@@ -174,6 +169,7 @@ void RecordWriter::line(const char *kind, const void *bytes, size_t size) {
   const auto *all = static_cast<const unsigned char *>(bytes);
   for (size_t i = 0; i < size; ++i) std::fprintf(file_, "%02x", all[i]);
   std::fputc('\n', file_);
+  out_.check();
 }
 
 void RecordWriter::hash() {
@@ -182,11 +178,7 @@ void RecordWriter::hash() {
   std::fprintf(file_, "hash %" PRIu64 " %016" PRIx64 "\n", info_of(solver_).step, hash);
 }
 
-void RecordWriter::finish() {
-  const bool failed = std::ferror(file_) != 0;
-  if (std::fclose(std::exchange(file_, nullptr)) != 0 || failed)
-    throw Error(exit_failure, path_ + " can't be written: " + std::strerror(errno));
-}
+void RecordWriter::finish() { out_.keep(); }
 
 std::vector<pbf_collider> colliders_of_entry(const Recording &recording,
                                              const Recording::Entry &entry) {

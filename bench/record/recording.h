@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "core/output_file.h"
 #include "scene/scene.h"
 
 namespace bench {
@@ -28,7 +29,6 @@ class RecordWriter {
  public:
   // `shapes`: those that the solver's colliders have.
   RecordWriter(const std::string &path, pbf_solver *solver, const std::vector<SceneShape> &shapes);
-  ~RecordWriter();
   RecordWriter(const RecordWriter &) = delete;
   RecordWriter &operator=(const RecordWriter &) = delete;
 
@@ -42,8 +42,8 @@ class RecordWriter {
   void line(const char *kind, const void *bytes, size_t size);
   void write_shapes(unsigned dimension);
 
-  std::string path_;
-  FILE *file_;
+  OutputFile out_;
+  FILE *file_;  // its
   pbf_solver *solver_;
   std::vector<SceneShape> shapes_;
 };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/checker.h"
+#include "core/output_file.h"
 #include "core/process.h"
 #include "core/resources.h"
 #include "core/scratch.h"
@@ -43,7 +44,7 @@ std::vector<std::string> draw_charts(const std::vector<Chart> &charts) {
   const std::string given = scratch.path() + "/charts.json", made = scratch.path() + "/svg.json";
   json all = json::array();
   for (const Chart &chart : charts) all.push_back(described(chart));
-  std::ofstream(given) << all;
+  write_file(given, all.dump());
   const std::string program = data_folder("report", PBF_BENCH_SOURCE_REPORT) + "/chart.py";
   const Ended ended =
       run_program({python_program(), "-B", program, given, made}, scratch.path() + "/errors");

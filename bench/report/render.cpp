@@ -1,11 +1,9 @@
 #include "report/render.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
+#include "core/output_file.h"
 
 namespace bench {
 
@@ -17,10 +15,7 @@ void render_page(const std::string &name, const std::string &text,
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code failed;
   if (!folder.empty()) std::filesystem::create_directories(folder, failed);
-  std::ofstream file(path, std::ios::binary);
-  file << rendered;
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  write_file(path, rendered);
 }
 
 }  // namespace bench

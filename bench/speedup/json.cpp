@@ -1,13 +1,12 @@
 /* Writes results with Google Benchmark's own reporter, so that its tools read them. */
 #include <benchmark/benchmark.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/machine.h"
+#include "core/output_file.h"
 #include "speedup/speedup.h"
 
 namespace bench {
@@ -65,17 +64,16 @@ Reporter::Run entry_of(const Speedup &speedup, const Result &result) {
 }  // namespace
 
 void write_speedup_json(const Speedup &speedup, const std::string &path) {
-  std::ofstream file(path);
+  std::ostringstream text;
   add_context(speedup);
   benchmark::JSONReporter reporter;
-  reporter.SetOutputStream(&file);
+  reporter.SetOutputStream(&text);
   reporter.ReportContext(Reporter::Context());
   std::vector<Reporter::Run> runs;
   for (const Result &result : speedup.results) runs.push_back(entry_of(speedup, result));
   reporter.ReportRuns(runs);
   reporter.Finalize();
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  write_file(path, text.str());
 }
 
 }  // namespace bench

@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
+#include "core/output_file.h"
 
 namespace bench::stability {
 namespace {
@@ -72,10 +72,7 @@ void Record::finish() {
   facts_["seconds"] = std::chrono::duration<double>(spent).count();
   facts_["peak_bytes"] = peak_bytes();
   const std::string path = folder_ + "/facts.json";
-  std::ofstream file(path);
-  file << facts_.dump(1) << '\n';
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written");
+  write_file(path, facts_.dump(1) + '\n');
 }
 
 }  // namespace bench::stability

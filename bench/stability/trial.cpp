@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
 #include "core/manifest.h"
 #include "core/npy.h"
+#include "core/output_file.h"
 #include "report/picture.h"
 #include "scene/params.h"
 
@@ -180,10 +180,7 @@ void Trial::frame() {
   times_[now.step] = now.time;
   nlohmann::json manifest = manifest_of(scene_, now);
   for (const auto &[step, time] : times_) manifest["times"][std::to_string(step)] = time;
-  std::ofstream file(record_.folder() + "/" + label_ + "/dump.json");
-  file << manifest.dump(1) << '\n';
-  file.close();
-  if (!file) throw Error(exit_failure, label_ + "/dump.json can't be written");
+  write_file(record_.folder() + "/" + label_ + "/dump.json", manifest.dump(1) + '\n');
 }
 
 void Trial::densities() { write_rows("densities", read(pbf_get_densities, 1), 0); }
@@ -199,10 +196,7 @@ void Trial::draw(const std::string &caption) {
   const Frame frame = particles_of(from_precision(positions(), precision),
                                    from_precision(velocities(), precision), scene_.dimension);
   const std::string name = label_ + ".png";
-  std::ofstream file(record_.folder() + "/" + name, std::ios::binary);
-  file << draw_png(frame, view_of(scene_, frame));
-  file.close();
-  if (!file) throw Error(exit_failure, name + " can't be written");
+  write_file(record_.folder() + "/" + name, draw_png(frame, view_of(scene_, frame)));
   record_.append("pictures", {{"file", name}, {"caption", caption}});
 }
 

@@ -1,13 +1,11 @@
 /* What was measured of many worlds, as tables and as JSON. */
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "ablation/ablation.h"
 #include "core/error.h"
 #include "core/machine.h"
+#include "core/output_file.h"
 #include "core/table.h"
 #include "worlds/worlds.h"
 
@@ -37,10 +35,7 @@ json worlds_context(const Scene &scene) {
 }
 
 void write_worlds_file(const std::string &path, const json &content) {
-  std::ofstream file(path);
-  file << content.dump(1) << "\n";
-  file.close();
-  if (!file) throw Error(exit_failure, path + " can't be written: " + std::strerror(errno));
+  write_file(path, content.dump(1) + "\n");
 }
 
 }  // namespace

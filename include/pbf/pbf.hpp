@@ -541,13 +541,18 @@ static_assert(sizeof(collider) == sizeof(pbf_collider), "an array of one is an a
 namespace detail {
 
 /* What the log calls, and what it threw. */
-struct log_target {
+struct log_state {
   log_function call;
   std::mutex lock;
   std::exception_ptr thrown;
+};
 
+struct log_target {
+  std::shared_ptr<log_state> state;
+
+  /* What is called may destroy the solver, and with it the target. */
   static void write(void *user, std::int32_t level, const char *sentence) noexcept {
-    auto *self = static_cast<log_target *>(user);
+    const std::shared_ptr<log_state> self = static_cast<log_target *>(user)->state;
 #if PBF_HAS_EXCEPTIONS
     try {
       self->call(level, sentence);
@@ -593,7 +598,8 @@ struct c_desc : pbf_desc {
       task_user = wanted.tasks;
     }
     if (wanted.log_to) {
-      target.call = wanted.log_to;
+      target.state = std::make_shared<log_state>();
+      target.state->call = wanted.log_to;
       log = log_target::write;
       log_user = &target;
     }
@@ -665,8 +671,9 @@ struct shared_solver {
 using owner = owner_of<shared_solver>;
 
 inline std::exception_ptr taken(log_target &log) noexcept {
-  const std::lock_guard<std::mutex> hold(log.lock);
-  return std::exchange(log.thrown, nullptr);
+  if (!log.state) return nullptr;
+  const std::lock_guard<std::mutex> hold(log.state->lock);
+  return std::exchange(log.state->thrown, nullptr);
 }
 
 }  // namespace detail

@@ -151,7 +151,8 @@ struct pbf_solver {
   struct pbf_phases *phases; /* lib/particles/phases.h; null: there are none */
 
   uint64_t generation;
-  _Atomic uint32_t mapped[PBF_FIELD_COUNT]; /* views of each field, which any thread may give back */
+  _Atomic uint32_t
+      mapped[PBF_FIELD_COUNT]; /* views of each field, which any thread may give back */
   pbf_rank_copy rank_copies[PBF_FIELD_COUNT];
 };
 

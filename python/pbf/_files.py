@@ -1,24 +1,62 @@
 """Files that are written whole or not at all."""
 from __future__ import annotations
 
+import errno
 import os
 import pathlib
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 
-def replace(path: str | os.PathLike[str], content: bytes) -> None:
-    """Beside the file that is there, and in its place once it is whole: where it can't be written,
-    as on a full disk, the old one stays. What is no file, as a pipe, has none beside it."""
-    if os.path.exists(path) and not os.path.isfile(path):
-        pathlib.Path(path).write_bytes(content)
-        return
-    target = pathlib.Path(os.path.realpath(path))
-    fresh = target.with_name(f"{target.name}.{os.getpid()}.new")
+def _in_place(path: str) -> bool:
+    """What is no file, as a pipe, has none beside it, and /dev/stdout is one that holds more."""
+    return path.startswith(("/dev/", "/proc/")) or (os.path.exists(path) and not os.path.isfile(path))
+
+
+def _beside(target: pathlib.Path) -> pathlib.Path | None:
+    """An empty file with the same ending, by which some writers choose; None in a folder where none
+    can be made, though the file that is there can perhaps be written."""
+    fresh = target.with_name(f"{target.stem}.{os.getpid()}.new{target.suffix}")
     try:
-        fresh.write_bytes(content)
-        if target.exists():
-            shutil.copymode(target, fresh)
+        fresh.unlink(missing_ok=True)  # of a process that has ended
+        fresh.touch(exist_ok=False)
+    except OSError as error:
+        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG):
+            return None
+        raise
+    return fresh
+
+
+def _take_its_place(fresh: pathlib.Path, target: pathlib.Path) -> None:
+    if target.exists():
+        shutil.copymode(target, fresh)
+    try:
         os.replace(fresh, target)
+    except OSError as error:
+        if error.errno not in (errno.EBUSY, errno.EACCES, errno.EPERM):
+            raise
+        shutil.copyfile(fresh, target)  # a file that is mounted by itself, or another user's
+        fresh.unlink()
+
+
+@contextmanager
+def written(path: str | os.PathLike[str]) -> Iterator[pathlib.Path]:
+    """Where to write: beside the file that is there, and in its place once it is whole. Where it can't
+    be written, as on a full disk, the old one stays."""
+    target = pathlib.Path(os.path.realpath(path))
+    fresh = None if _in_place(os.fspath(path)) else _beside(target)
+    if fresh is None:
+        yield pathlib.Path(path)
+        return
+    try:
+        yield fresh
+        _take_its_place(fresh, target)
     except BaseException:
         fresh.unlink(missing_ok=True)
         raise
+
+
+def replace(path: str | os.PathLike[str], content: bytes) -> None:
+    with written(path) as place:
+        place.write_bytes(content)

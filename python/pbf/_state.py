@@ -100,7 +100,9 @@ class State(Reading):
 
 
 def state_of(source: PathLike | bytes | bytearray | memoryview) -> bytes | bytearray | memoryview:
-    if isinstance(source, (bytes, bytearray, memoryview)):
+    if isinstance(source, memoryview):  # of whatever numbers, side by side or not
+        return source.tobytes()
+    if isinstance(source, (bytes, bytearray)):
         return source
     return pathlib.Path(source).read_bytes()
 

@@ -156,7 +156,8 @@ class VtkSeries:
                         **columns})
         file = self.path.with_name(f"{self.path.stem}_{len(self._frames):04d}.vtu")
         file.parent.mkdir(parents=True, exist_ok=True)
-        mesh.write(file)
+        with _files.written(file) as place:
+            mesh.write(place)
         self._frames.append((fluid.time, file.name))
         self._write()
         return file
@@ -313,7 +314,8 @@ class Surface:
             return
         meshio = _need("meshio", "meshio", f"a {file.suffix} file")
         data = {} if file.suffix in (".obj", ".stl") else {"normals": self.normals}
-        meshio.Mesh(self.vertices, [("triangle", self.triangles)], point_data=data).write(file)
+        with _files.written(file) as place:
+            meshio.Mesh(self.vertices, [("triangle", self.triangles)], point_data=data).write(place)
 
 
 def _smoothed(fluid: Particles, smoothing: float) -> NDArray[Any]:

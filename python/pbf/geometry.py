@@ -136,6 +136,16 @@ class Geometry:
             _files.replace(path, saved)
         return saved
 
+    def __copy__(self) -> Self:
+        """It never changes: a copy is the same one."""
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).load, (self.save(),)
+
     @classmethod
     def _borrowed(cls, handle: Any) -> Self | None:
         """That of a collider, by a reference of its own."""

@@ -351,8 +351,9 @@ class Movie:
             return
         if self.path.suffix == ".gif":
             first, *others = [_pillow().fromarray(image) for image in self._frames]
-            first.save(self.path, save_all=True, append_images=others, loop=0,
-                       duration=round(1000 / self.fps))
+            with _files.written(self.path) as place:
+                first.save(place, save_all=True, append_images=others, loop=0,
+                           duration=round(1000 / self.fps))
         else:
             _files.replace(self.path, _animated(self._frames, self.fps))
         self._frames = []

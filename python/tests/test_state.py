@@ -96,3 +96,43 @@ def test_an_old_file_stays_where_a_new_one_finds_no_room(run_in, tmp_path):
     assert [left.name for left in tmp_path.iterdir()] == ["kept.state"]
     run_in.save(tmp_path / "kept.state")
     assert (tmp_path / "kept.state").read_bytes() != before
+
+
+def test_states_are_bytes_of_any_memory(run_in, make):
+    state = bytearray(run_in.save())
+    state += bytes(-len(state) % 4)
+    words = memoryview(np.frombuffer(state, np.float32))
+    apart = memoryview(np.repeat(np.frombuffer(run_in.save(), np.uint8), 2))[::2]
+    assert pbf.Solver.restore(apart).hash == run_in.hash
+    if len(state) == len(run_in.save()):
+        assert pbf.Solver.restore(words).hash == run_in.hash
+
+
+def test_files_are_replaced_where_they_are(run_in, tmp_path):
+    there = tmp_path / "there"
+    there.mkdir()
+    (there / "a.state").write_bytes(b"old")
+    (there / "a.state").chmod(0o640)
+    (tmp_path / "link.state").symlink_to("there/a.state")
+    run_in.save(tmp_path / "link.state")
+    assert (tmp_path / "link.state").is_symlink()
+    assert (there / "a.state").stat().st_mode & 0o777 == 0o640
+    assert (there / "a.state").read_bytes() == run_in.save()
+    long = tmp_path / ("n" * 250)  # no longer name is to be had beside it
+    run_in.save(long)
+    assert long.read_bytes() == run_in.save()
+    with pytest.raises(OSError):
+        run_in.save("/dev/full")
+    with open(tmp_path / "out", "wb") as out:
+        child = subprocess.run([sys.executable, "-c", "import pbf, sys; pbf.save_png('/dev/stdout', "
+                                "pbf.Solver(capacity=1).render((32, 32))); sys.stderr.write('done')"],
+                               stdout=out, stderr=subprocess.PIPE, check=True)
+    assert child.stderr == b"done"
+    assert (tmp_path / "out").read_bytes().startswith(b"\x89PNG")
+    assert sorted(left.name for left in tmp_path.rglob("*.new*")) == []
+
+
+def test_geometries_are_copied_and_pickled():
+    corner = pbf.Geometry.from_points(np.vstack([np.zeros((1, 3)), np.eye(3)]), cell=0.1)
+    for made in (copy.copy(corner), copy.deepcopy(corner), pickle.loads(pickle.dumps(corner))):
+        assert made.volume == corner.volume and (made.values == corner.values).all()

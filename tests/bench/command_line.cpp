@@ -197,6 +197,65 @@ void a_file_that_cant_be_written_exits_with_1(void **) {
   }
 }
 
+// A file can't grow beyond half a KB here, as on a full disk: no torn one stands under its name.
+void a_full_disk_leaves_what_was_there(void **) {
+  const std::string folder = work_folder("full");
+  skip_unless_available(folder, "reference");
+  const std::string run = std::string("--backend reference --steps 9 ") + small;
+  assert_int_equal(run_program(folder, "record " + run + "--to r.rec").exit_code, 0);
+  std::filesystem::create_directories(folder + "/p");
+  const std::vector<std::pair<std::string, std::string>> ways = {
+      {"record " + run + "--to kept.rec", "kept.rec"},
+      {"run " + run + "--pictures p", "p/000000.png"},
+      {"run " + run + "--dump p", "p/positions_000000.npy"}};
+  for (const auto &[arguments, file] : ways) {
+    write_text(folder + "/" + file, "kept");
+    const std::string command = "cd '" + folder + "' && ulimit -f 1 && '" PBF_TEST_PROGRAM "' " +
+                                arguments + " >/dev/null 2>err.txt";
+    const int status = std::system(command.c_str());
+    assert_int_equal(WEXITSTATUS(status), 1);
+    expect_contains(read_text(folder + "/err.txt"), file + " can't be written: File too large");
+    assert_string_equal(read_text(folder + "/" + file).c_str(), "kept");
+  }
+  for (const auto &entry : std::filesystem::recursive_directory_iterator(folder))
+    assert_true(entry.path().extension() != ".new");
+}
+
+// It may be read while it grows: its rows are whole.
+void a_full_disk_leaves_whole_rows(void **) {
+  const std::string folder = work_folder("rows");
+  skip_unless_available(folder, "reference");
+  const std::string command = "cd '" + folder +
+                              "' && ulimit -f 1 && '" PBF_TEST_PROGRAM
+                              "' run --backend reference --steps 99 --csv t.csv " +
+                              small + " >/dev/null 2>err.txt";
+  assert_int_equal(WEXITSTATUS(std::system(command.c_str())), 1);
+  expect_contains(read_text(folder + "/err.txt"), "t.csv can't be written: File too large");
+  const std::string csv = read_text(folder + "/t.csv");
+  assert_true(csv.size() > 200 && csv.back() == '\n');
+}
+
+// Through links, in place of pipes and devices, and in a folder where nothing can be made.
+void a_file_is_replaced_where_it_is(void **) {
+  const std::string folder = work_folder("replaced"),
+                    record = std::string("record --backend reference --steps 2 ") + small + "--to ";
+  skip_unless_available(folder, "reference");
+  std::filesystem::create_directories(folder + "/there");
+  std::filesystem::create_symlink("there/to.rec", folder + "/link.rec");
+  write_text(folder + "/there/to.rec", "old");
+  std::filesystem::permissions(folder + "/there/to.rec", std::filesystem::perms(0640));
+  assert_int_equal(run_program(folder, record + "link.rec").exit_code, 0);
+  assert_true(std::filesystem::is_symlink(folder + "/link.rec"));
+  assert_true(std::filesystem::status(folder + "/there/to.rec").permissions() ==
+              std::filesystem::perms(0640));
+  expect_contains(run_program(folder, "replay there/to.rec").out, "the same: 2");
+  expect_contains(run_program(folder, record + "/dev/stdout").out, "pbf-record 1 2 ");
+  assert_int_equal(run_program(folder, record + "/dev/full").exit_code, 1);
+  expect_contains(run_program(folder, record + "there").err,
+                  "there can't be written: Is a directory");
+  assert_true(std::filesystem::is_directory(folder + "/there"));
+}
+
 void help_tells_the_exit_codes(void **) {
   const Outcome help = run_program(work_folder("help"), "--help");
   assert_int_equal(help.exit_code, 0);
@@ -367,6 +426,9 @@ int main() {
       cmocka_unit_test(list_shows_scenes_and_backends),
       cmocka_unit_test(output_that_is_lost_exits_with_1),
       cmocka_unit_test(a_file_that_cant_be_written_exits_with_1),
+      cmocka_unit_test(a_full_disk_leaves_what_was_there),
+      cmocka_unit_test(a_full_disk_leaves_whole_rows),
+      cmocka_unit_test(a_file_is_replaced_where_it_is),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
       cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
       cmocka_unit_test(a_recording_has_the_shapes_of_its_scene),

@@ -25,6 +25,19 @@ void an_interrupted_run_leaves_whole_files(void **) {
   assert_true(std::filesystem::exists(folder + name));
 }
 
+void an_interrupted_record_can_be_replayed(void **) {
+  const std::string folder = work_folder("record");
+  skip_unless_available(folder, "reference");
+  const pid_t child =
+      start_program(folder, {"record", "--scene", "dam-break-2d", "--particles", "200", "--backend",
+                             "reference", "--steps", "4000000000", "--to", "r.rec"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  assert_int_equal(exit_code_after_interrupt(child), 130);
+  const Outcome replay = run_program(folder, "replay r.rec");
+  assert_int_equal(replay.exit_code, 0);
+  expect_contains(replay.out, "the same: ");
+}
+
 void an_interrupted_speedup_still_prints_and_writes(void **) {
   const std::string folder = work_folder("speedup");
   skip_unless_available(folder, "reference");
@@ -44,6 +57,7 @@ void an_interrupted_speedup_still_prints_and_writes(void **) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(an_interrupted_run_leaves_whole_files),
+      cmocka_unit_test(an_interrupted_record_can_be_replayed),
       cmocka_unit_test(an_interrupted_speedup_still_prints_and_writes),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -1,4 +1,9 @@
 /* The log, and exceptions that its function throws. */
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+
 #include "support.h"
 
 static std::string logged;
@@ -23,6 +28,42 @@ static void logs_are_heard(void **) {
   assert_non_null(std::strstr(logged.c_str(), "time_step"));
   assert_int_equal(logged[0], '1');
   assert_false(fluid.take_log_exception() != nullptr);
+}
+
+static std::atomic<int> gone, told;
+
+/* What a log has for its own. */
+struct held {
+  ~held() { ++gone; }
+};
+
+static std::optional<pbf::solver> slot;
+static std::mutex slots_lock;
+
+static pbf::solver destroyed_by_its_log() {
+  pbf::params params;
+  params.time_step = .5; /* for this and the attraction steps are too long */
+  params.attraction = 20;
+  pbf::desc desc = test_desc();
+  desc.memory = nullptr; /* what is counted belongs to the thread of the test */
+  desc.log_to = [own = std::make_shared<held>()](int, const char *) {
+    const std::lock_guard<std::mutex> hold(slots_lock);
+    slot.reset();
+    told += gone == 0 && own ? 1 : 100;
+  };
+  return given(pbf::solver::create(desc, params));
+}
+
+static void a_log_of_begun_steps_destroys(void **) {
+  gone = told = 0;
+  {
+    const std::lock_guard<std::mutex> hold(slots_lock);
+    slot.emplace(destroyed_by_its_log());
+    given(slot->add_particles(std::vector<float>(3, .5f)));
+    done(slot->begin_step(UINT32_MAX));
+  }
+  while (gone == 0) std::this_thread::yield();
+  assert_int_equal(told, 1);
 }
 
 #if PBF_HAS_EXCEPTIONS
@@ -75,6 +116,7 @@ static void values_throw(void **) {
 int logs() {
   const CMUnitTest tests[] = {
     cmocka_unit_test_teardown(logs_are_heard, nothing_live),
+    cmocka_unit_test(a_log_of_begun_steps_destroys),
 #if PBF_HAS_EXCEPTIONS
     cmocka_unit_test_teardown(log_exceptions_stay_out_of_the_library, nothing_live),
     cmocka_unit_test_teardown(log_exceptions_of_batches_do, nothing_live),
