@@ -130,3 +130,22 @@ def test_movies(dam, tmp_path, name):
     assert opened.n_frames == 3 and opened.size == (64, 48)
     with pytest.raises(pbf.InvalidArgumentError, match="gif"):
         pbf.Movie("a.avi")
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.gif"])
+def test_an_old_movie_stays_where_a_new_one_finds_no_room(dam, tmp_path, name):
+    pytest.importorskip("PIL.Image")
+    resource = pytest.importorskip("resource")
+    (tmp_path / name).write_bytes(b"kept")
+    movie = pbf.Movie(tmp_path / name, fps=20, size=(64, 48))
+    movie.add(dam)
+    movie.add(dam)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (300, limits[1]))  # as on a full disk
+    try:
+        with pytest.raises(OSError):
+            movie.close()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert [left.name for left in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_bytes() == b"kept"

@@ -1,7 +1,10 @@
 """Saved states, pickles and copies."""
 import copy
 import pickle
+import subprocess
+import sys
 
+import numpy as np
 import pytest
 
 import pbf

@@ -93,6 +93,32 @@ static void another_thread_may_end_them(void **state) {
   pbf_destroy(s);
 }
 
+enum { VIEWS = 2000 };
+
+static void *give_views_back(void *user) {
+  static uint32_t refused;
+  for (int k = 0; k < VIEWS; ++k) refused += pbf_unmap(user, PBF_FIELD_POSITION) != PBF_OK;
+  return &refused;
+}
+
+/* As a collector of garbage does, while the solver's own thread reads. */
+static void another_thread_may_unmap(void **state) {
+  (void)state;
+  pbf_solver *s = filled();
+  pbf_view view = {.struct_size = sizeof view};
+  float x[3 * COUNT];
+  pthread_t thread;
+  void *refused;
+  for (int k = 0; k < VIEWS; ++k) assert_ok(pbf_map(s, PBF_FIELD_POSITION, &view));
+  assert_int_equal(pthread_create(&thread, NULL, give_views_back, s), 0);
+  for (int k = 0; k < VIEWS; ++k) assert_ok(pbf_get_positions(s, 0, COUNT, x));
+  assert_int_equal(pthread_join(thread, &refused), 0);
+  assert_int_equal(*(uint32_t *)refused, 0);
+  assert_fails(pbf_unmap(s, PBF_FIELD_POSITION), PBF_ERROR_STATE, "no view is mapped");
+  assert_ok(pbf_step(s, 1));
+  pbf_destroy(s);
+}
+
 static void begun_steps_are_cancelled(void **state) {
   (void)state;
   pbf_solver *s = filled();
@@ -153,7 +179,8 @@ int main(void) {
       cmocka_unit_test(bits_are_those_of_a_step),   cmocka_unit_test(others_are_refused),
       cmocka_unit_test(failures_come_with_the_end), cmocka_unit_test(another_thread_may_end_them),
       cmocka_unit_test(begun_steps_are_cancelled),  cmocka_unit_test(destroyed_before_the_end),
-      cmocka_unit_test(held_on_request_only),       cmocka_unit_test(not_ended_from_inside),
+      cmocka_unit_test(another_thread_may_unmap),   cmocka_unit_test(held_on_request_only),
+      cmocka_unit_test(not_ended_from_inside),
   };
   return TEST_RUN(tests);
 }

@@ -338,7 +338,7 @@ internal static partial class Binding
         Refused(Status.InvalidArgument, "null", () => Solver.LoadBackend(null));
     }
 
-    private static Solver last, lastWorld;
+    private static Solver last, lastLogged, lastWorld;
 
     private static int Main()
     {
@@ -368,6 +368,12 @@ internal static partial class Binding
         }
         last = Filled(); // alive, and stepping, when the process ends
         last.BeginStep(uint.MaxValue);
+        var desc = TestDesc();
+        desc.Log = (level, sentence) => { };
+        lastLogged = FallingTooFast(desc); // whose thread has run C#
+        lastLogged.BeginStep();
+        lastLogged.EndStep();
+        lastLogged.BeginStep(uint.MaxValue);
         lastWorld = new Batch(2, TestDesc())[1];
         lastWorld.BeginStep(uint.MaxValue);
         return failed == 0 ? 0 : 1;
