@@ -5,6 +5,8 @@
 #include "os.h"
 #include "worker.h"
 
+static const pbf_worker_calls calls = {pbf_run_steps, pbf_is_alone, pbf_leave_begun};
+
 pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {
   pbf_status status = pbf_enter(solver);
   if (status != PBF_OK) return status;
@@ -12,7 +14,7 @@ pbf_status pbf_begin_step(pbf_solver *solver, uint32_t steps) {
   if (status == PBF_OK) status = pbf_worker_start(solver);
   if (status != PBF_OK) return pbf_leave(solver, status);
   pbf_stay(solver, pbf_worker_thread(solver));
-  pbf_worker_run(solver, pbf_run_steps, steps);
+  pbf_worker_run(solver, &calls, steps);
   return PBF_OK;
 }
 

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "error.h"
-#include "handles.h"
 #include "memory.h"
 #include "os.h"
 
@@ -15,7 +14,7 @@ typedef struct pbf_worker {
   pbf_thread thread;
   uint32_t process; /* that the thread runs in: a child of a fork has none; 0: none does */
   worker_state state;
-  pbf_steps_fn run;
+  const pbf_worker_calls *calls;
   uint32_t steps;
   pbf_status status;
   char why[PBF_MESSAGE_SIZE]; /* of the status, if it is a failure */
@@ -42,7 +41,7 @@ static void run_steps(pbf_solver *solver) {
   pbf_worker *worker = solver->worker;
   solver->callers_fp = pbf_fp_begin();
   pbf_plugin_message_clear();
-  worker->status = worker->run(solver, worker->steps);
+  worker->status = worker->calls->run(solver, worker->steps);
   if (worker->status != PBF_OK) memcpy(worker->why, pbf_last_error(), sizeof worker->why);
   pbf_fp_end(solver->callers_fp);
 }
@@ -54,14 +53,14 @@ static void end_alone(pbf_solver *solver) {
   pbf_thread_detach(&worker->thread);
   pbf_condition_destroy(&worker->changed);
   pbf_mutex_destroy(&worker->mutex);
-  pbf_leave_begun(solver, PBF_OK);
+  worker->calls->leave(solver, PBF_OK);
 }
 
 static void *work(void *user) {
   pbf_solver *solver = user;
   while (wait_while(solver->worker, IDLE, DONE) == BEGUN) {
     run_steps(solver);
-    if (pbf_is_alone(solver)) return end_alone(solver), NULL;
+    if (solver->worker->calls->is_alone(solver)) return end_alone(solver), NULL;
     set_state(solver->worker, DONE);
   }
   return NULL;
@@ -122,8 +121,8 @@ uintptr_t pbf_worker_thread(const pbf_solver *solver) {
   return pbf_thread_of(&solver->worker->thread);
 }
 
-void pbf_worker_run(pbf_solver *solver, pbf_steps_fn run, uint32_t steps) {
-  solver->worker->run = run;
+void pbf_worker_run(pbf_solver *solver, const pbf_worker_calls *calls, uint32_t steps) {
+  solver->worker->calls = calls;
   solver->worker->steps = steps;
   set_state(solver->worker, BEGUN);
 }

@@ -6,7 +6,13 @@
 #include "error.h"
 #include "solver.h"
 
-typedef pbf_status (*pbf_steps_fn)(pbf_solver *solver, uint32_t steps);
+/* What its thread calls: the steps; whether one of their callbacks has destroyed the solver, so
+ * that none waits for them; and what then gives the solver back, with all it has. */
+typedef struct pbf_worker_calls {
+  pbf_status (*run)(pbf_solver *solver, uint32_t steps);
+  int (*is_alone)(pbf_solver *solver);
+  pbf_status (*leave)(pbf_solver *solver, pbf_status status);
+} pbf_worker_calls;
 
 /* Unless the solver has one. Fails with PBF_ERROR_OUT_OF_MEMORY. */
 pbf_status pbf_worker_start(pbf_solver *solver);
@@ -14,7 +20,7 @@ pbf_status pbf_worker_start(pbf_solver *solver);
 uintptr_t pbf_worker_thread(const pbf_solver *solver);
 
 /* Has it run the steps. */
-void pbf_worker_run(pbf_solver *solver, pbf_steps_fn run, uint32_t steps);
+void pbf_worker_run(pbf_solver *solver, const pbf_worker_calls *calls, uint32_t steps);
 
 /* Waits until steps that have begun are done. */
 void pbf_worker_wait(pbf_solver *solver);
