@@ -14,12 +14,16 @@ else()
   if(APPLE)
     set(PBF_PLUGIN_SUFFIX .dylib)
     set(PBF_IMAGE_SOURCES plugin/image_unchecked.c)
+  elseif(EMSCRIPTEN AND threads IN_LIST PBF_BACKENDS)
+    set(PBF_SYSTEM wasm)
+    set(PBF_WASM_THREADS ON)
+    add_compile_options(-pthread) # all objects of a module share its memory, or none
   endif()
 endif()
 # Of libpbf, and of plugins that start threads or ask for the time.
 set(PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/system_${PBF_SYSTEM}.c)
-if(PBF_SYSTEM STREQUAL posix)
-  list(APPEND PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/waits_linux.c)
+if(NOT WIN32)
+  list(APPEND PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/waits.c)
 endif()
 
 include(CheckLinkerFlag)

@@ -1,5 +1,6 @@
-/* What the library wants of the system beside what backends do: os_posix.c and os_windows.c have
- * it, and no other file of the library asks on which system it is. Paths are UTF-8. */
+/* What the library wants of the system beside what backends do: os_posix.c, os_windows.c and
+ * os_wasm.c have it, and no other file of the library asks on which system it is. Paths are UTF-8.
+ */
 #ifndef PBF_LIB_OS_H
 #define PBF_LIB_OS_H
 

@@ -1,5 +1,6 @@
-/* What backends, and the library's threads, want of the system: system_posix.c and system_windows.c
- * have it. No other file of backends/ but the teams' own asks on which system it is. */
+/* What backends, and the library's threads, want of the system: system_posix.c, system_windows.c
+ * and system_wasm.c have it. No other file of backends/ but the teams' own asks on which system it
+ * is. */
 #ifndef PBF_COMMON_SYSTEM_H
 #define PBF_COMMON_SYSTEM_H
 
@@ -35,6 +36,21 @@ typedef struct pbf_per_thread {
 #define PBF_CONDITION_INITIALIZER \
   { 0 }
 
+#elif defined(__wasm_atomics__)
+
+typedef struct pbf_thread {
+  uint32_t worker; /* that runs it */
+} pbf_thread;
+
+typedef struct pbf_per_thread {
+  uint32_t kind;
+  size_t bytes;
+} pbf_per_thread;
+
+/* Waits while the word has this value, where the calling thread may: that of a page may not. May
+ * return for no reason. */
+void pbf_wasm_wait(uint32_t *word, uint32_t value);
+
 #else
 
 #include <pthread.h>
@@ -49,23 +65,7 @@ typedef struct pbf_per_thread {
   size_t bytes;
 } pbf_per_thread;
 
-#if defined(__linux__)
-
-/* waits_linux.c. */
-typedef struct pbf_mutex {
-  uint32_t state;
-} pbf_mutex;
-
-typedef struct pbf_condition {
-  uint32_t signals, waiting;
-} pbf_condition;
-
-#define PBF_MUTEX_INITIALIZER \
-  { 0 }
-#define PBF_CONDITION_INITIALIZER \
-  { 0, 0 }
-
-#else
+#if !defined(__linux__)
 
 typedef struct pbf_mutex {
   pthread_mutex_t mutex;
@@ -81,6 +81,24 @@ typedef struct pbf_condition {
   { PTHREAD_COND_INITIALIZER }
 
 #endif
+#endif
+
+#if defined(__linux__) || defined(__wasm_atomics__)
+
+/* waits.c. */
+typedef struct pbf_mutex {
+  uint32_t state;
+} pbf_mutex;
+
+typedef struct pbf_condition {
+  uint32_t signals, waiting;
+} pbf_condition;
+
+#define PBF_MUTEX_INITIALIZER \
+  { 0 }
+#define PBF_CONDITION_INITIALIZER \
+  { 0, 0 }
+
 #endif
 
 #ifdef __cplusplus

@@ -25,7 +25,7 @@ export class Batch {
 
   /** Loads the module where that has not been done. The options are those of a Solver, and worlds. */
   static async create(options) {
-    await load();
+    await load(undefined, { threads: options.threads });
     return new Batch(options);
   }
 

@@ -1,5 +1,6 @@
 // The WebAssembly module: its loading, its memory, and structs of C in it. For the other files of this package.
 import { constants, structs } from "./abi.g.mjs";
+import { begin } from "./threads.mjs";
 
 /** What the library has refused: `status` is a PBF_ERROR number, `code` its name, `message` the sentence. */
 export class PbfError extends Error {
@@ -66,35 +67,69 @@ const host = {
 const env = { emscripten_notify_memory_growth() {}, __call_sighandler() {} }; // there are no signals
 const imports = { pbf: { log }, wasi_snapshot_preview1: host, env };
 
-async function compiled(source) {
+// Of what is given, or of a file of the package.
+async function compiled(source, file) {
   if (source instanceof WebAssembly.Module) return source;
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
   if (typeof Response !== "undefined" && source instanceof Response) return WebAssembly.compile(await source.arrayBuffer());
-  // Bundlers look for the first of these as it stands here.
-  const url = source === undefined ? new URL("./pbf.wasm", import.meta.url) : new URL(source, globalThis.location?.href ?? import.meta.url);
+  const url = source === undefined ? file() : new URL(source, globalThis.location?.href ?? import.meta.url);
   if (url.protocol === "file:") return WebAssembly.compile(await (await import("node:fs/promises")).readFile(url));
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url} can't be read: ${response.status} ${response.statusText}`);
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
+// Bundlers look for these as they stand here.
+const files = {
+  one: () => new URL("./pbf.wasm", import.meta.url),
+  threads: () => new URL("./pbf-threads.wasm", import.meta.url),
+};
+
+async function loadOne(source) {
+  const instance = await WebAssembly.instantiate(await compiled(source, files.one), imports);
+  exports = instance.exports;
+  exports._initialize?.();
+}
+
+// What is said in a worker comes when this thread has time for it.
+function logLater({ user, level, sentence }) {
+  logs.get(user)?.(level, sentence);
+}
+
+async function loadThreads(threads, source) {
+  const seconds = () => performance.now() / 1e3;
+  const begun = await begin(threads, () => compiled(source, files.threads), { log, seconds }, logLater);
+  exports = begun.exports;
+  return begun.threads;
+}
+
+async function loadAny(source, { threads = 1, threadsSource, ...others }) {
+  for (const name of Object.keys(others)) throw invalid(`options has no ${name}; it has threads, threadsSource`);
+  if (numberOf("options.threads", "u32", threads) === 1) {
+    await loadOne(source);
+    return { threads: 1 };
+  }
+  try {
+    return { threads: await loadThreads(threads, threadsSource) };
+  } catch (error) {
+    await loadOne(source);
+    return { threads: 1, why: error.message };
+  }
+}
+
 let loading;
 
 /**
- * Loads the module once: from pbf.wasm beside this file, or from a URL, a Response, bytes or a compiled module.
+ * Loads the module once: from pbf.wasm beside this file, or from a URL, a Response, bytes or a compiled module. Where
+ * `threads` is another number than 1 (0: one for each processor) it takes pbf-threads.wasm, or `threadsSource`, if the page
+ * may have threads. Gives how many threads there are, and where there is one in spite of that, why.
  * Solver.create does it where it has not been done.
  */
-export function load(source) {
-  loading ??= compiled(source)
-    .then(async (module) => {
-      const instance = await WebAssembly.instantiate(module, imports);
-      exports = instance.exports;
-      exports._initialize?.();
-    })
-    .catch((error) => {
-      loading = undefined; // another source may do
-      throw error;
-    });
+export function load(source, options = {}) {
+  loading ??= loadAny(source, options).catch((error) => {
+    loading = undefined; // another source may do
+    throw error;
+  });
   return loading;
 }
 
@@ -273,7 +308,7 @@ export function withText(value, use) {
   });
 }
 
-const descOptions = ["dimension", "precision", "capacity", "strict", "isa", "log", "params"];
+const descOptions = ["dimension", "precision", "capacity", "strict", "threads", "isa", "log", "params"];
 let lastLog = 0;
 
 // Calls with a pbf_desc and a pbf_params of these options, and a place for what they make; gives what that is. `others` are
@@ -296,12 +331,12 @@ export function made(options, others, create) {
 }
 
 function withDesc(options, user, create) {
-  const { pbf_desc: desc, pbf_params: params } = structs, { dimension, precision, capacity, strict } = options;
+  const { pbf_desc: desc, pbf_params: params } = structs, { dimension, precision, capacity, strict, threads } = options;
   return withText(options.isa, (isa) => withBytes(desc.size + params.size + 8, (at) => {
     const paramsAt = at + 8 * Math.ceil(desc.size / 8), place = paramsAt + params.size;
     check(exports.pbf_desc_init(at, desc.size));
     check(exports.pbf_params_init(paramsAt, params.size));
-    write("pbf_desc", "options", at, { dimension, precision, capacity, strict });
+    write("pbf_desc", "options", at, { dimension, precision, capacity, strict, threads });
     writeNumber("u32", at + desc.fields.isa[1], isa);
     if (user) {
       writeNumber("u32", at + desc.fields.log[1], exports.pbf_js_log_function());

@@ -36,7 +36,7 @@ export class Solver {
 
   /** Loads the module where that has not been done, and makes a solver. */
   static async create(options = {}) {
-    await load();
+    await load(undefined, { threads: options.threads });
     return new Solver(options);
   }
 

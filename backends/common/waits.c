@@ -1,10 +1,10 @@
-/* Mutexes and conditions by the system call futex. Those of the C library end the process where a
- * sandbox denies that call, which it may do at any time, also while threads wait. These then look
- * again and again, and let other threads run in between. */
-#if defined(__linux__)
+/* Mutexes and conditions where the system has threads wait while a word has a value: by Linux's
+ * call futex, and by the instructions of WebAssembly. */
+#if defined(__linux__) || defined(__wasm_atomics__)
 #define _GNU_SOURCE /* syscall */
 #include "common/system.h"
 
+#if defined(__linux__)
 #include <errno.h>
 #include <linux/futex.h>
 #include <sched.h>
@@ -16,7 +16,9 @@
 #define SYS_futex SYS_futex_time64 /* without a time the same */
 #endif
 
-enum { FREE, HELD, HELD_AND_WANTED };
+/* ---- By Linux. The C library's end the process where a sandbox denies the call, which it may do
+ * at any time, also while threads wait. These then look again and again, and let other threads run
+ * in between. */
 
 static long call_kernel(uint32_t *word, int operation, uint32_t value) {
   return syscall(SYS_futex, word, operation | FUTEX_PRIVATE_FLAG, value, NULL, NULL, 0);
@@ -49,6 +51,22 @@ int pbf_can_wait(void) {
   errno = before;
   return can;
 }
+
+#else
+
+/* ---- By WebAssembly ------------------------------------------------------------------------- */
+
+static void wait_while_it_is(uint32_t *word, uint32_t value) { pbf_wasm_wait(word, value); }
+
+static void wake(uint32_t *word, int threads) {
+  __builtin_wasm_memory_atomic_notify((int *)word, (unsigned)threads);
+}
+
+int pbf_can_wait(void) { return 1; }
+
+#endif
+
+enum { FREE, HELD, HELD_AND_WANTED };
 
 /* ---- Mutexes -------------------------------------------------------------------------------- */
 
