@@ -64,8 +64,9 @@ const host = {
   },
 };
 
-const env = { emscripten_notify_memory_growth() {}, __call_sighandler() {} }; // there are no signals
-const imports = { pbf: { log }, wasi_snapshot_preview1: host, env };
+const env = { emscripten_notify_memory_growth() {}, __call_sighandler() {}, exit: host.proc_exit }; // there are no signals
+const seconds = () => performance.now() / 1e3;
+const imports = { pbf: { log, seconds }, wasi_snapshot_preview1: host, env };
 
 // Of what is given, or of a file of the package.
 async function compiled(source, file) {
@@ -97,8 +98,7 @@ function logLater({ user, level, sentence }) {
 }
 
 async function loadThreads(threads, source) {
-  const seconds = () => performance.now() / 1e3;
-  const begun = await begin(threads, () => compiled(source, files.threads), { log, seconds }, logLater);
+  const begun = await begin(threads, () => compiled(source, files.threads), imports, logLater);
   exports = begun.exports;
   return begun.threads;
 }

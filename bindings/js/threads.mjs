@@ -10,7 +10,11 @@ const run = ({ module, memory, place, origin }, post) => {
     post({ user, level, sentence: new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))) });
   };
   const seconds = () => (performance.timeOrigin - origin + performance.now()) / 1e3;
-  const { exports } = new WebAssembly.Instance(module, { env: { memory }, pbf: { log, seconds } });
+  const imports = { env: { memory }, pbf: { log, seconds } };
+  for (const { module: from, name, kind } of WebAssembly.Module.imports(module)) {
+    if (kind === "function") (imports[from] ??= {})[name] ??= () => { throw new Error(name + " is called in a worker"); };
+  }
+  const { exports } = new WebAssembly.Instance(module, imports);
   exports.__stack_pointer.value = place;
   exports.pbf_wasm_begin_thread(place);
   const number = exports.pbf_wasm_give();
@@ -102,7 +106,7 @@ export async function begin(wanted, compile, imports, log) {
   const threads = wanted || (await processors());
   if (threads < 2) throw new Error("there is one processor");
   const memory = sharedMemory(), module = await compile();
-  const { exports } = await WebAssembly.instantiate(module, { env: { memory }, pbf: imports });
+  const { exports } = await WebAssembly.instantiate(module, { ...imports, env: { ...imports.env, memory } });
   exports._initialize();
   if (mayWait()) exports.pbf_wasm_let_wait();
   const workers = Array.from({ length: threads - 1 }, () => {

@@ -14,7 +14,7 @@
 
 typedef struct scene {
   const char *name;
-  uint32_t dimension, precision, threads;
+  uint32_t dimension, precision;
   uint32_t steps;
   double spacing;
   uint32_t block[3]; /* lattice of particles along each axis */
@@ -28,6 +28,9 @@ typedef struct scene {
 /* The file's text; null: nothing is compared. */
 static char *pinned;
 static int differing;
+
+/* Of each solver. */
+static uint32_t threads = 2;
 
 static void check(pbf_status status) {
   if (status == PBF_OK) return;
@@ -72,7 +75,7 @@ static void run_scene(const scene *s, const char *backend) {
   desc.capacity = s->block[0] * s->block[1] * (s->dimension == 3 ? s->block[2] : 1);
   desc.backend = backend;
   desc.strict = 1;
-  desc.threads = 2;
+  desc.threads = threads;
   check(pbf_create(&desc, &s->params, &solver));
   add_block(solver, s);
   if (s->collider_count) check(pbf_set_colliders(solver, s->collider_count, s->colliders));
