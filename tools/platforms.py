@@ -58,6 +58,8 @@ PLATFORMS = {
               "options": toolchain("aarch64-macos"), "runs": False},
     "wasm": {"what": "WebAssembly by Emscripten, under node", "packages": ["emscripten"], "only": ["wasm_tests"],
              "options": [*toolchain("wasm32-emscripten"), "-DPBF_BACKENDS=serial"], "slow": True},
+    "wasm-threads": {"what": "WebAssembly with threads by Emscripten, under node", "packages": ["emscripten"], "only": ["wasm_tests"],
+                     "options": [*toolchain("wasm32-emscripten"), "-DPBF_BACKENDS=threads"], "slow": True},
 }
 
 
@@ -113,7 +115,7 @@ def compiler(build):
 def kilobytes(platform, build):
     """Of libpbf and of `serial` with what it shares, stripped."""
     sizes = {}
-    for key, patterns in {"libpbf": ["lib/libpbf.so", "bin/libpbf.dll", "lib/libpbf.dylib", "js/pbf.wasm"],
+    for key, patterns in {"libpbf": ["lib/libpbf.so", "bin/libpbf.dll", "lib/libpbf.dylib", "js/pbf.wasm", "js/pbf-threads.wasm"],
                           "serial": ["*/pbf/backends/pbf_backend_serial.*", "*/pbf/backends/pbf_cpu.*"]}.items():
         for file in (file for pattern in patterns for file in build.glob(pattern)):
             copy = build / f"{file.name}.stripped"
@@ -162,8 +164,10 @@ def measure(name):
 
 
 def pinned_sets(tests):
-    """Instruction sets with which `serial` gave all pinned hashes."""
-    return [test.split(".")[2] for test, outcome in tests.items() if test.startswith("same_bits.serial.") and outcome == "passed"]
+    """Instruction sets with which `serial`, or `threads` where it is alone, gave all pinned hashes."""
+    passed = [test.split(".") for test, outcome in tests.items() if test.startswith("same_bits.") and outcome == "passed"]
+    backend = "serial" if any(words[1] == "serial" for words in passed) else "threads"
+    return [words[2] for words in passed if words[1] == backend]
 
 
 def row(name, result):

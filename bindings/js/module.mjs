@@ -1,6 +1,5 @@
 // The WebAssembly module: its loading, its memory, and structs of C in it. For the other files of this package.
 import { constants, structs } from "./abi.g.mjs";
-import { begin } from "./threads.mjs";
 
 /** What the library has refused: `status` is a PBF_ERROR number, `code` its name, `message` the sentence. */
 export class PbfError extends Error {
@@ -98,6 +97,7 @@ function logLater({ user, level, sentence }) {
 }
 
 async function loadThreads(threads, source) {
+  const { begin } = await import("./threads.mjs"); // a page without does not load it
   const begun = await begin(threads, () => compiled(source, files.threads), imports, logLater);
   exports = begun.exports;
   return begun.threads;

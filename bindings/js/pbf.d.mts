@@ -48,6 +48,8 @@ export interface Options {
   /** Particles at most. */
   capacity?: number;
   strict?: boolean;
+  /** Threads that its steps may have, of those that are loaded; 0, the default: as many of these as pay. */
+  threads?: number;
   /** "scalar" or "simd128", the default. */
   isa?: string;
   /** Sentences of the library's: level is constants.LOG_INFO or LOG_WARNING. */
@@ -76,10 +78,20 @@ export declare class PbfError extends Error {
   readonly code: string;
 }
 
-/** Loads the module once: from pbf.wasm beside pbf.mjs, or from elsewhere. */
-export declare function load(
-  source?: string | URL | Response | ArrayBuffer | ArrayBufferView | WebAssembly.Module,
-): Promise<void>;
+export type Source = string | URL | Response | ArrayBuffer | ArrayBufferView | WebAssembly.Module;
+
+export interface Loaded {
+  /** That solvers can have. */
+  threads: number;
+  /** Where threads were asked for and there is one: the reason. */
+  why?: string;
+}
+
+/**
+ * Loads the module once: from pbf.wasm beside pbf.mjs, or from elsewhere. With `threads` (1; 0: one for each processor, 16 at
+ * most) it takes pbf-threads.wasm, or `threadsSource`, and starts workers, if the page may have them; otherwise the one without.
+ */
+export declare function load(source?: Source, options?: { threads?: number; threadsSource?: Source }): Promise<Loaded>;
 
 /** "0.2.0". After load(). */
 export declare function version(): string;
@@ -116,7 +128,7 @@ export type Sampled<Field extends SampledField> = { [Name in Field]: Name extend
 
 /** A fluid. Arrays that it gives are views of the module's memory: slice() keeps them. */
 export declare class Solver {
-  /** Loads the module where that has not been done, and makes a solver. */
+  /** Loads the module where that has not been done, with options.threads threads (1), and makes a solver. */
   static create(options?: Options): Promise<Solver>;
   /** After load(). */
   constructor(options?: Options);
@@ -225,7 +237,7 @@ type Mask = ArrayLike<boolean | number>;
  * world fails the others go on, and the call throws what the first one met.
  */
 export declare class Batch {
-  /** Loads the module where that has not been done. */
+  /** Loads the module where that has not been done, with options.threads threads (1). */
   static create(options: Options & { worlds: number }): Promise<Batch>;
   /** After load(). */
   constructor(options: Options & { worlds: number });

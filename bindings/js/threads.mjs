@@ -73,26 +73,31 @@ async function newWorker(take, fail) {
 
 const SECONDS = 10; // in which workers have to come
 
-// Ends when the worker has given itself, with it, or fails.
-function given(data, log) {
+// Ends when the worker has given itself, with it, or fails. `made` gets it at once.
+function given(data, log, made) {
   return new Promise((resolve, reject) => {
-    let worker;
     const late = setTimeout(() => reject(new Error(`it has not begun in ${SECONDS} s`)), 1000 * SECONDS);
-    const take = (message) => {
-      if (message !== "given") return log(message);
-      clearTimeout(late);
-      worker.unref?.(); // node may end
-      resolve(worker);
-    };
     const fail = (error) => {
       clearTimeout(late);
       reject(error);
     };
-    newWorker(take, fail).then((made) => {
-      worker = made;
-      worker.postMessage(data);
+    const begins = newWorker((message) => {
+      if (message !== "given") return log(message);
+      clearTimeout(late);
+      resolve(begins.then(release));
     }, fail);
+    begins.then((worker) => {
+      made.push(worker);
+      worker.postMessage(data);
+    }).catch(fail);
   });
+}
+
+// Node may end, and what fails from now on is told as elsewhere.
+function release(worker) {
+  worker.unref?.();
+  worker.removeAllListeners?.("error");
+  worker.onerror = null;
 }
 
 /**
@@ -109,17 +114,20 @@ export async function begin(wanted, compile, imports, log) {
   const { exports } = await WebAssembly.instantiate(module, { ...imports, env: { ...imports.env, memory } });
   exports._initialize();
   if (mayWait()) exports.pbf_wasm_let_wait();
-  const workers = Array.from({ length: threads - 1 }, () => {
+  const made = [], workers = Array.from({ length: threads - 1 }, () => {
     const data = { module, memory, place: exports.pbf_wasm_room() >>> 0, origin: performance.timeOrigin };
-    return data.place ? given(data, log) : Promise.reject(new Error("there is no memory for its stack"));
+    return data.place ? given(data, log, made) : Promise.reject(new Error("there is no memory for its stack"));
   });
   const ends = await Promise.allSettled(workers);
   const there = ends.filter(({ status }) => status === "fulfilled");
-  if (!there.length) throw new Error(`no worker can be had: ${ends[0].reason.message}`);
+  if (!there.length) {
+    for (const worker of made) worker.terminate();
+    throw new Error(`no worker can be had: ${ends[0].reason.message}`);
+  }
   return { exports: { ...exports, memory: current(memory, exports.pbf_wasm_pages) }, threads: 1 + there.length };
 }
 
-// Memory that a worker has made grow is seen here when this thread does so, too.
+// Memory that another thread has made grow: an engine may show it here only at its next pause, or when this thread does so, too.
 function current(memory, pages) {
   return {
     get buffer() {

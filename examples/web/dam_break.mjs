@@ -113,7 +113,10 @@ function show(error) {
 }
 
 try {
-  await load(globalThis.pbfModule); // the bytes that build.py puts in; else pbf.wasm
+  // The bytes are what build.py puts in; else pbf.wasm and pbf-threads.wasm are loaded.
+  const { threads, why } = await load(globalThis.pbfModule, { threads: 0, threadsSource: globalThis.pbfThreads });
+  element("threads").textContent = threads;
+  element("why").textContent = why ? `One thread: ${why}` : "";
   const demo = new Demo(new Picture(canvas, tank));
   demo.begin();
   globalThis.demo = demo; // for a look from the console

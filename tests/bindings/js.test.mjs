@@ -1,4 +1,5 @@
 // The package for browsers and node, by node's own test runner: PBF_JS=build/wasm/js node --test tests/bindings
+// PBF_THREADS=4 has it load the module with threads.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
@@ -8,12 +9,13 @@ import { pathToFileURL } from "node:url";
 import { Worker } from "node:worker_threads";
 
 const folder = resolve(process.env.PBF_JS ?? "build/wasm/js");
+const threads = Number(process.env.PBF_THREADS ?? 1);
 const { Batch, PbfError, Shape, Solver, constants, load, version } = await import(pathToFileURL(`${folder}/pbf.mjs`));
 
 test("nothing is made before the module is loaded", async () => {
   assert.throws(() => new Solver(), { message: "the module is not loaded; await load() first, or Solver.create()" });
   await assert.rejects(load(new Uint8Array([1, 2, 3])), WebAssembly.CompileError);
-  await load(readFileSync(`${folder}/pbf.wasm`));
+  assert.deepEqual(await load(readFileSync(`${folder}/pbf.wasm`), { threads }), { threads });
   const header = readFileSync(new URL("../../include/pbf/pbf.h", import.meta.url), "utf8");
   const parts = ["MAJOR", "MINOR", "PATCH"].map((part) => header.match(new RegExp(`PBF_VERSION_${part} (\\d+)`))[1]);
   assert.equal(version(), parts.join("."));
@@ -136,7 +138,7 @@ test("errors are the library's sentences, and the solver stays as it was", async
   throws(() => solver.map("colour", () => {}), "PBF_ERROR_INVALID_ARGUMENT", /^field is colour; /);
   assert.equal(solver.hash, hash);
   await assert.rejects(Solver.create({ dimension: 4 }), { code: "PBF_ERROR_INVALID_ARGUMENT", message: /dimension is 4/ });
-  await assert.rejects(Solver.create({ threads: 2 }), { message: /^options has no threads; / });
+  await assert.rejects(Solver.create({ thread: 2 }), { message: /^options has no thread; it has dimension, .* threads, / });
   await assert.rejects(Solver.create({ log: 3 }), { message: "options.log is 3; it must be a function" });
   await assert.rejects(Solver.create({ isa: "avx2" }), { code: "PBF_ERROR_UNAVAILABLE" });
   solver.destroy();

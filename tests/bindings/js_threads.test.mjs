@@ -1,5 +1,6 @@
 // The module with threads under node: PBF_JS=build/wasm-small/js node --test tests/bindings/js_threads.test.mjs
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { before, test } from "node:test";
 import { resolve } from "node:path";
@@ -8,7 +9,7 @@ import { Worker } from "node:worker_threads";
 
 const folder = resolve(process.env.PBF_JS ?? "build/wasm-small/js");
 const script = pathToFileURL(`${folder}/pbf.mjs`).href;
-const { Batch, Solver, constants, load } = await import(script);
+const { Batch, Solver, load } = await import(script);
 
 // A dam of 6,000 particles, which several threads share, after some steps: its hash.
 const dam = `async (Solver, threads) => {
@@ -17,7 +18,7 @@ const dam = `async (Solver, threads) => {
   const solver = new Solver({ capacity: 6000, threads, params: { domainMax: [2, 1, 0.75], viscosity: 0.01 } });
   solver.addParticles(positions);
   solver.setColliders([{ shape: "box", halfExtents: [0.1, 0.1, 0.3], position: [1.2, 0.1, 0.4], angularVelocity: [0, 3, 0] }]);
-  solver.step(30);
+  solver.step(15);
   const { hash, info: { threads: had } } = solver;
   solver.destroy();
   return { hash, had };
@@ -120,6 +121,11 @@ test("a thread that may not wait looks again and again, as a page's", async () =
   assert.deepEqual(await elsewhere(code, prepare), { threads: 3, hashes: Array(5).fill(one), had: Array(5).fill(3) });
 });
 
+test("the program of the documents prints its threads, and ends", () => {
+  const printed = execFileSync(process.execPath, [`${folder}/threaded.mjs`], { encoding: "utf8", timeout: 60000 });
+  assert.match(printed, /^(\d+ threads|one thread: there is one processor)\n[\d.]+ ms a step\n$/);
+});
+
 // ---- Threads that can't be had
 
 const fallsBack = `const { threads, why } = await pbf.load(undefined, { threads: 3 }); return { threads, why, ...(await dam(pbf.Solver, 3)) };`;
@@ -152,6 +158,7 @@ const ofPages = `const { Worker: Nodes } = require("node:worker_threads"), { res
       });
     }
     postMessage(data) { this.began.then(() => this.own.postMessage(data)); }
+    terminate() { this.own?.terminate(); }
   };`;
 
 test("workers of a page do alike", async () => {
@@ -170,7 +177,7 @@ test("where no worker can be had there is one thread", async () => {
 
 test("a worker that does not begin is not waited for", async () => {
   const prepare = `const real = setTimeout; globalThis.setTimeout = (call, time) => real(call, time / 50);
-    globalThis.Worker = class { postMessage() {} }`;
+    globalThis.Worker = class { postMessage() {} terminate() {} }`;
   await hasOne(prepare, /^no worker can be had: it has not begun in 10 s$/);
 });
 

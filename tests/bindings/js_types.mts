@@ -71,5 +71,7 @@ export const empty = () => new Shape();
 void Solver.create({ params: { gravitation: [0, 0] } });
 // @ts-expect-error no such shape
 export const torus: ColliderFields = { shape: "torus" };
+// @ts-expect-error threads are a number
+void Solver.create({ threads: "all" });
 // @ts-expect-error four dimensions
 void Solver.create({ dimension: 4 });
