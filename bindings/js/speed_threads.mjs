@@ -1,4 +1,4 @@
-// PBF_JS=build/wasm-small/js node bindings/js/speed_threads.mjs [ROUNDS]: milliseconds that a step takes of dam breaks of 4,000,
+// PBF_JS=build/wasm-small/js node bindings/js/speed_threads.mjs: milliseconds that a step takes of dam breaks of 4,000,
 // 30,720 and 100,000 particles with one and two threads. The modules take turns, for other programs run beside.
 import { resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -29,9 +29,9 @@ async function serve({ threads, counts }) {
   parentPort.postMessage(loaded);
 }
 
-const answer = (worker) => new Promise((done, failed) => worker.once("message", done).once("error", failed));
+const answer = (worker) => new Promise((done, failed) => worker.once("message", done).removeAllListeners("error").once("error", failed));
 
-async function measure(counts, steps, rounds) {
+async function measure(counts, rounds) {
   const kinds = await Promise.all([1, 2].map(async (threads) => {
     const worker = new Worker(fileURLToPath(import.meta.url), { workerData: { threads, counts } });
     const loaded = await answer(worker);
@@ -40,7 +40,7 @@ async function measure(counts, steps, rounds) {
   }));
   for (let round = 0; round < rounds; ++round) {
     for (const kind of kinds) {
-      kind.worker.postMessage(steps);
+      kind.worker.postMessage(1);
       const { time, hash } = await answer(kind.worker);
       kind.times.push(time);
       kind.hash = hash;
@@ -50,16 +50,16 @@ async function measure(counts, steps, rounds) {
   return kinds;
 }
 
+const middle = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
+
 async function main() {
-  const rounds = Number(process.argv[2] ?? 31);
-  for (const [counts, steps] of [[[20, 20, 10], 10], [[32, 32, 30], 2], [[50, 50, 40], 1]]) {
-    const kinds = await measure(counts, steps, rounds), middle = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
-    const ratio = middle(kinds[0].times.map((time, k) => time / kinds[1].times[k]));
+  for (const [counts, rounds] of [[[20, 20, 10], 1200], [[32, 32, 30], 200], [[50, 50, 40], 60]]) {
+    const kinds = await measure(counts, rounds);
     for (const { threads, times, hash } of kinds) {
-      const median = middle([...times]);
-      console.log(`${counts.reduce((a, b) => a * b)} particles, ${threads} thread(s): ${median.toFixed(1)} ms a step, least ${Math.min(...times).toFixed(1)}; hash ${hash}`);
+      console.log(`${counts.reduce((a, b) => a * b)} particles, ${threads} thread(s): median ${middle(times).toFixed(1)} ms a step, ` +
+        `least ${Math.min(...times).toFixed(1)}; hash ${hash}`);
     }
-    console.log(`  median of the pairs' ratios: ${ratio.toFixed(2)}`);
+    console.log(`  median of the pairs' ratios: ${middle(kinds[0].times.map((time, k) => time / kinds[1].times[k])).toFixed(2)}`);
   }
 }
 
