@@ -79,10 +79,10 @@ async function compiled(source, file) {
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
-// Bundlers look for these as they stand here.
+// Bundlers look for the first as it stands here. The other one they are not to miss where a package is without.
 const files = {
   one: () => new URL("./pbf.wasm", import.meta.url),
-  threads: () => new URL("./pbf-threads.wasm", import.meta.url),
+  threads: (name = "./pbf-threads.wasm") => new URL(name, import.meta.url),
 };
 
 async function loadOne(source) {

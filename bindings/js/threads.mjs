@@ -26,11 +26,12 @@ if (typeof require === "function") {
   parentPort.once("message", (data) => run(data, (message) => parentPort.postMessage(message)));
 } else onmessage = ({ data }) => run(data, postMessage);`;
 
-const MOST = 16; // threads where all are asked for
+const MOST = 64; // threads: what the module has room for
+const MOST_OF_ALL = 16; // where one is asked for for each processor
 
 async function processors() {
   const told = globalThis.navigator?.hardwareConcurrency ?? (await import("node:os")).availableParallelism();
-  return Math.min(told, MOST);
+  return Math.min(told, MOST_OF_ALL);
 }
 
 /** Whether this thread may wait for others: a page's own may not. */
@@ -108,7 +109,7 @@ export async function begin(wanted, compile, imports, log) {
   if (typeof SharedArrayBuffer === "undefined" || globalThis.crossOriginIsolated === false) {
     throw new Error("the page is not isolated: its server must send Cross-Origin-Opener-Policy and Cross-Origin-Embedder-Policy");
   }
-  const threads = wanted || (await processors());
+  const threads = Math.min(wanted || (await processors()), MOST);
   if (threads < 2) throw new Error("there is one processor");
   const memory = sharedMemory(), module = await compile();
   const { exports } = await WebAssembly.instantiate(module, { ...imports, env: { ...imports.env, memory } });
