@@ -9,7 +9,7 @@ import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-IMPORTED = re.compile(r'(from |import\()"\./(\w+\.mjs)"')
+IMPORTED = re.compile(r'(from |import\()"\./([\w.]+\.mjs)"')
 MODULES = {"pbfModule": "pbf.wasm", "pbfThreads": "pbf-threads.wasm"}
 PAGE_SCRIPT = '<script type="module" src="./dam_break.mjs"></script>'
 
