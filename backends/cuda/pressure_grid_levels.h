@@ -12,7 +12,7 @@ enum { PRESSURE_GRID_ALONE = 1024 };
 
 /* Fewer cells along an axis are solved as fast without. */
 static inline bool pressure_grid_has_levels(const pbf_pressure_grid &grid) {
-  return pbf_most_cells(grid.n) >= (PBF_DIM == 3 ? 24 : 16);
+  return pbf_most_cells(grid.n) >= (PBF_DIM == 3 ? 24 : 20);
 }
 
 /* Of the iterations of a level, or of the grid. */

@@ -5,9 +5,10 @@
 
 enum { THICK = 3 };
 
-/* In spacings. */
+/* In spacings; and how far velocities may be off the reference's. */
 typedef struct dam_sizes {
   uint32_t wide, deep, domain;
+  double bar;
 } dam_sizes;
 
 /* A dam that breaks, and a ball in it. */
@@ -59,21 +60,23 @@ static void check_tilt(uint32_t dimension, uint32_t precision, const dam_sizes *
   assert_ok(pbf_step(s, 2));
   assert_ok(pbf_step(reference, 2));
   away = difference(s, reference, dimension, precision, &speed);
-  if (!(away < 0.005 * speed))
+  if (!(away < sizes->bar * speed))
     fail_msg("%uD, tilted by %g: velocities of %g are %g off", dimension, tilt, speed, away);
   pbf_destroy(s);
   pbf_destroy(reference);
 }
 
 static void check_dam(uint32_t dimension, uint32_t precision) {
-  const dam_sizes wide = {100, 24, 240};
+  const dam_sizes wide = {100, 24, 240, 0.005};
   check_tilt(dimension, precision, &wide, 0);
   check_tilt(dimension, precision, &wide, 0.3);
 }
 
-/* 500 by 50 cells, in 2D alone, where fewer particles need so many. */
+/* 500 by 50 cells, in 2D alone, where fewer particles need so many. The reference's iterations
+ * leave something of the longest waves: iterated a hundred times as often it is 0.0053 off itself.
+ */
 static void check_wider(uint32_t dimension, uint32_t precision) {
-  const dam_sizes wider = {460, 100, 2000};
+  const dam_sizes wider = {460, 100, 2000, 0.01};
   if (dimension == 2) check_tilt(dimension, precision, &wider, 0);
 }
 
