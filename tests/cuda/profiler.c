@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* As NVTX has it in the library that it loads; the type is nvtxDetail/nvtxTypes.h's. */
+/* Its types of what it calls in the library that it loads, too. */
 #include <nvtx3/nvToolsExt.h>
 
 static profile seen;
