@@ -45,8 +45,8 @@ int pbf_at_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(
 enum { MAX_WORKERS = 63 };
 
 /* ABSENT until the host has given it. A thread that takes it has it from TAKEN until it has joined
- * what RUNS in it. */
-enum { ABSENT, FREE, TAKEN, RUNS, ENDED };
+ * what RUNS in it, or left that to itself. */
+enum { ABSENT, FREE, TAKEN, RUNS, DETACHED, ENDED };
 
 typedef struct worker {
   uint32_t state;
@@ -65,9 +65,9 @@ static void become(worker *w, uint32_t state) {
   wake_all(&w->state);
 }
 
-static int take(worker *w) {
-  uint32_t before = FREE;
-  return __atomic_compare_exchange_n(&w->state, &before, TAKEN, 0, __ATOMIC_ACQUIRE,
+/* 0: it was in another state than `before`. */
+static int exchange(worker *w, uint32_t before, uint32_t after) {
+  return __atomic_compare_exchange_n(&w->state, &before, after, 0, __ATOMIC_ACQ_REL,
                                      __ATOMIC_RELAXED);
 }
 
@@ -80,12 +80,14 @@ uint32_t pbf_processors(void) {
   return 1 + (there < MAX_WORKERS ? there : MAX_WORKERS);
 }
 
-/* A worker has the stack that it came with. */
-int pbf_thread_start(pbf_thread *thread, size_t stack_bytes, void *(*run)(void *), void *user) {
+/* A worker has the stack that it came with, and there are no signals. */
+int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_bytes,
+                     void *(*run)(void *), void *user) {
+  (void)kind;
   (void)stack_bytes;
   for (uint32_t k = 0; k < MAX_WORKERS; ++k) {
     worker *w = &workers[k];
-    if (!take(w)) continue;
+    if (!exchange(w, FREE, TAKEN)) continue;
     *thread = (pbf_thread){.worker = k};
     w->run = run;
     w->user = user;
@@ -99,6 +101,12 @@ void pbf_thread_join(pbf_thread *thread) {
   worker *w = &workers[thread->worker];
   wait_for(w, ENDED);
   become(w, FREE);
+}
+
+/* Also from itself: then its end makes the worker free. */
+void pbf_thread_detach(pbf_thread *thread) {
+  worker *w = &workers[thread->worker];
+  if (!exchange(w, RUNS, DETACHED)) become(w, FREE);
 }
 
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return workers[thread->worker].thread; }
@@ -146,7 +154,10 @@ void pbf_wasm_work(uint32_t number) {
   for (worker *w = &workers[number];;) {
     wait_for(w, RUNS);
     w->run(w->user);
-    become(w, ENDED);
+    if (exchange(w, RUNS, ENDED))
+      wake_all(&w->state);
+    else
+      become(w, FREE);
   }
 }
 

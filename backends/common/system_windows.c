@@ -91,6 +91,8 @@ void pbf_thread_detach(pbf_thread *thread) { CloseHandle(thread->handle); }
 
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return thread->number; }
 
+int pbf_can_wait(void) { return 1; }
+
 void pbf_mutex_init(pbf_mutex *mutex) { InitializeSRWLock(lock_of(mutex)); }
 void pbf_mutex_destroy(pbf_mutex *mutex) { (void)mutex; }
 void pbf_mutex_lock(pbf_mutex *mutex) { AcquireSRWLockExclusive(lock_of(mutex)); }
