@@ -17,7 +17,7 @@ static pbf_pressure_grid grid_between(const pbf_params *params, const pbf_domain
   return pbf_pressure_grid_between(params, domain, 0, 1 << 20);
 }
 
-/* Water up to `high`, whose pressure ends there. */
+/* Water up to `high`, with no pressure above. */
 static double pressure_of_water(pbf_vec x, double slope[]) {
   for (int k = 0; k < PBF_DIM; ++k) slope[k] = 0;
   if (x.c[1] > high) return 0;
