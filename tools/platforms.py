@@ -29,7 +29,7 @@ COMMON = ["-DCMAKE_BUILD_TYPE=Release", "-DPBF_BACKENDS=reference;serial;threads
 # Tests of tests/api that want what POSIX alone has, or Linux.
 OF_POSIX = {"batch_failures", "begun_logs", "beyond_memory", "cycles", "exceptions", "forks", "fp_environment", "interrupted", "locale", "thread_cancelled"}
 # Those that take minutes where a processor is emulated, or has the scalar loops alone.
-SLOW = {"adhesion", "damping_compensation", "deep", "diffuse", "diffuse_held", "emitters", "full", "loads", "many_colliders", "no_slip", "overlap",
+SLOW = {"adhesion", "damping_compensation", "deep", "deep_wide", "diffuse", "diffuse_held", "emitters", "full", "loads", "many_colliders", "no_slip", "overlap",
         "partitions", "periodic", "phases", "queries", "ranges", "reservoirs", "shapes_fluid", "slosh", "steps", "surface", "surface_tension", "tiles", "walls"}
 
 
