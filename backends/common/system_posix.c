@@ -96,8 +96,8 @@ static void leave_as_before(sigset_t *blocked, const sigset_t *before, int signa
   if (!sigismember(before, signal)) sigdelset(blocked, signal);
 }
 
-/* A fault whose signal is blocked ends the process, past the handler by which a runtime makes an
- * exception of it, or a program a report. */
+/* Where the signal of a fault is blocked, the fault ends the process, past the handler by which a
+ * runtime raises an exception, or a program writes a report. */
 static void leave_faults(sigset_t *blocked, const sigset_t *before) {
   static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
   for (size_t k = 0; k < sizeof faults / sizeof faults[0]; ++k)

@@ -73,11 +73,9 @@ static inline pbf_status allow_pressure_grid(solver *s) {
   return PBF_OK;
 }
 
-/* Blocks of the cluster that solves a grid; 0 where it has no room for it, or nodes are torn, whose
- * neighbours may be anywhere. */
+/* Blocks of the cluster that solves a grid; 0 where it has no room for it. */
 static inline uint32_t pressure_grid_blocks(const solver *s, const pbf_pressure_grid &grid) {
-  uint32_t blocks = s->pressure_grid_cluster;
-  if (s->pressure_grid_solids) return 0;
+  const uint32_t blocks = s->pressure_grid_cluster;
   return pressure_grid_shared(grid, blocks) <= pressure_grid_max_shared(s) ? blocks : 0;
 }
 
@@ -91,7 +89,8 @@ struct pressure_grid_way {
   pressure_grid_levels levels;
 };
 
-/* Corrections from coarser levels know no torn nodes. */
+/* Torn nodes have their neighbours anywhere: a cluster does not solve them, nor are there levels.
+ */
 static inline pressure_grid_way way_of_solve(const solver *s, const pbf_pressure_grid &grid,
                                              const pressure_grid_arrays &arrays) {
   const size_t most = pressure_grid_max_shared(s);
