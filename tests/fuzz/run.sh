@@ -1,6 +1,7 @@
 #!/bin/sh
 # run.sh <build folder> <seconds> [target…]   fuzzes each target for so long, two at a time. What the
 # runs learn is kept in <build folder>/fuzz/<target>, what they find in <build folder>/fuzz/found.
+# SEED in the environment makes a run of the same programs on a new build folder draw the same inputs.
 set -eu
 build=$(realpath "$1")
 seconds=$2
@@ -15,7 +16,7 @@ fuzz() {
   seeds=$build/fuzz/seeds/$target
   [ "$target" != scene ] || seeds=$here/../../bench/scenes
   mkdir -p "$build/fuzz/$target"
-  if "$build/bin/fuzz_$target" -max_total_time="$seconds" -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
+  if "$build/bin/fuzz_$target" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len=4096 -timeout=20 -rss_limit_mb=4096 \
     -artifact_prefix="$build/fuzz/found/$target-" "$build/fuzz/$target" "$seeds" >"$build/fuzz/$target.log" 2>&1
   then
     echo "fuzz: $target: $(tail -n 1 "$build/fuzz/$target.log")"

@@ -243,7 +243,8 @@ static int is_coarse_or_short(const twins *t) {
  * by as much as h. Where h is hardly more than the spacing such a pair is all that pushes, and the
  * error as large as the move; so it is in steps that ask for the density at their start, too, where
  * pairs may have been within h that are looked at no more: very short ones, and those that look for
- * what overlaps. */
+ * what overlaps. The farther move of the two solvers counts, since only one may have seen the pair.
+ */
 static void compare_particles(const twins *t, const particles *before, pbf_solver *shaken) {
   particles a, b, c;
   get_particles(t->solver[0], &a);
@@ -251,7 +252,7 @@ static void compare_particles(const twins *t, const particles *before, pbf_solve
   get_particles(shaken, &c);
   uint32_t numbers = a.count * t->k.dimension;
   double h = params_of(t).smoothing_radius, apart = distance(t, a.x, b.x, numbers) / h;
-  double moved = farthest_move(t, before, &a);
+  double moved = fmax(farthest_move(t, before, &a), farthest_move(t, before, &b));
   double unseen = is_coarse_or_short(t) || t->placed ? 2 * moved : 2 * moved * moved;
   double limit = rounding(t) + unseen + 10 * distance(t, a.x, c.x, numbers) / h;
   insist(isfinite(distance(t, a.v, b.v, numbers)) && isfinite(apart));
