@@ -1,16 +1,22 @@
-/* A tree of boxes around faces, halved by their middles along the longest side. */
+/* A tree of boxes around faces, halved by their middles along the longest side. Each has a second
+ * box as well, across the mean normal of its faces (Gottschalk et al. 1996): around a patch of a
+ * curved surface a box along the axes is as thick as the patch is wide, and seen from afar many
+ * patches then seem as near as the nearest one. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "mesh.h"
 #include "vectors.h"
 
-enum { LEAF = 4, DEPTH = 64 };
+enum { LEAF = 2, DEPTH = 64 };
 
 /* Faces first … first + count - 1 of the order; further boxes at `next` and next + 1 where count is
  * more than a leaf's. */
 typedef struct box {
   double lower[3], upper[3];
+  double axes[3][3], near[3],
+      far[3]; /* the second box: unit axes, places along them from `lower` */
   uint32_t first, count, next;
 } box;
 
@@ -41,6 +47,41 @@ static int longest_side(const box *b) {
   return axis;
 }
 
+/* The mean normal, and the axis that is halved as far as it is across that. */
+static void find_axes(const pbf_mesh_tree *tree, box *b) {
+  double normal[3] = {0, 0, 0}, along[3] = {0, 0, 0};
+  for (uint32_t i = b->first; i < b->first + b->count; ++i)
+    pbf_add_times(normal, 1, tree->mesh->face_normals[tree->order[i]]);
+  along[longest_side(b)] = 1;
+  const double size = pbf_norm(normal);
+  for (int k = 0; k < 3 && size > 0; ++k) normal[k] /= size;
+  pbf_add_times(along, -pbf_inner(along, normal), normal);
+  const double rest = pbf_norm(along);
+  if (!(size > 0 && rest > 1e-6)) { /* faces all around */
+    memset(b->axes, 0, sizeof b->axes);
+    for (int k = 0; k < 3; ++k) b->axes[k][k] = 1;
+    return;
+  }
+  for (int k = 0; k < 3; ++k) b->axes[0][k] = normal[k], b->axes[1][k] = along[k] / rest;
+  pbf_outer(b->axes[0], b->axes[1], b->axes[2]);
+}
+
+static void bound_across(const pbf_mesh_tree *tree, box *b) {
+  const pbf_mesh *mesh = tree->mesh;
+  find_axes(tree, b);
+  for (int k = 0; k < 3; ++k) b->near[k] = INFINITY, b->far[k] = -INFINITY;
+  for (uint32_t i = b->first; i < b->first + b->count; ++i)
+    for (uint32_t c = 0; c < mesh->dimension; ++c) {
+      double way[3];
+      pbf_minus(mesh->vertices[mesh->faces[tree->order[i]][c]], b->lower, way);
+      for (int k = 0; k < 3; ++k) {
+        const double at = pbf_inner(way, b->axes[k]);
+        b->near[k] = fmin(b->near[k], at);
+        b->far[k] = fmax(b->far[k], at);
+      }
+    }
+}
+
 /* Orders a part so that the middles of its lower half are below the others' (Hoare's selection). */
 static void halve(const pbf_mesh_tree *tree, uint32_t first, uint32_t last, uint32_t half,
                   int axis) {
@@ -67,6 +108,7 @@ static void halve(const pbf_mesh_tree *tree, uint32_t first, uint32_t last, uint
 static void divide(pbf_mesh_tree *tree, uint32_t index) {
   box *b = &tree->boxes[index];
   bound(tree, b);
+  bound_across(tree, b);
   if (b->count <= LEAF) return;
   const uint32_t half = b->count / 2;
   halve(tree, b->first, b->first + b->count, b->first + half, longest_side(b));
@@ -165,30 +207,42 @@ void pbf_mesh_look(const pbf_mesh *mesh, uint32_t face, const double place[3],
   }
 }
 
-static double box_distance2(const box *b, const double place[3]) {
-  double sum = 0;
+/* What no face of a box is nearer than, squared, and a little less, as its places are rounded. */
+static double least_distance2(const box *b, const double place[3]) {
+  double way[3], sum = 0;
+  pbf_minus(place, b->lower, way);
   for (int k = 0; k < 3; ++k) {
-    const double out = fmax(fmax(b->lower[k] - place[k], place[k] - b->upper[k]), 0);
-    sum += out * out;
+    const double at = pbf_inner(way, b->axes[k]);
+    const double below = b->near[k] - at, above = at - b->far[k];
+    const double out = below > above ? below : above;
+    sum += out > 0 ? out * out : 0;
   }
-  return sum;
+  return (1 - 1e-9) * sum;
 }
 
+typedef struct waiting {
+  double distance2;
+  uint32_t index;
+} waiting;
+
 void pbf_mesh_find(const pbf_mesh_tree *tree, const double place[3], pbf_nearest *nearest) {
-  uint32_t stack[2 * DEPTH], left = 0;
-  stack[left++] = 0;
+  waiting stack[2 * DEPTH];
+  uint32_t left = 0;
+  stack[left++] = (waiting){0, 0};
   while (left > 0) {
-    const box *b = &tree->boxes[stack[--left]];
-    if (!(box_distance2(b, place) < nearest->distance2)) continue;
+    const waiting next = stack[--left];
+    if (!(next.distance2 < nearest->distance2)) continue;
+    const box *b = &tree->boxes[next.index];
     if (b->count <= LEAF) {
       for (uint32_t i = b->first; i < b->first + b->count; ++i)
         pbf_mesh_look(tree->mesh, tree->order[i], place, nearest);
       continue;
     }
-    const int second = box_distance2(&tree->boxes[b->next], place) <
-                       box_distance2(&tree->boxes[b->next + 1], place);
-    stack[left++] = b->next + (uint32_t)second;
-    stack[left++] = b->next + (uint32_t)!second;
+    const waiting one = {least_distance2(&tree->boxes[b->next], place), b->next};
+    const waiting other = {least_distance2(&tree->boxes[b->next + 1], place), b->next + 1};
+    const int swap = one.distance2 < other.distance2;
+    stack[left++] = swap ? other : one;
+    stack[left++] = swap ? one : other;
   }
 }
 

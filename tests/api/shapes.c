@@ -128,11 +128,79 @@ static void hulls_and_terrains_are_boxes(uint32_t dimension) {
   }
 }
 
+/* How far a place is from a face: the nearest of many of its points, of which one is the foot on
+ * its plane or line where that is within. */
+static double distance_to_face(const mesh *m, uint32_t face, const double place[3]) {
+  const uint32_t dimension = m->dimension, *corner = m->faces + (size_t)face * dimension;
+  double a[3] = {0, 0, 0}, sides[2][3] = {{0}}, arm[3] = {0, 0, 0}, least = INFINITY;
+  for (uint32_t k = 0; k < dimension; ++k) {
+    a[k] = m->vertices[corner[0] * dimension + k];
+    arm[k] = place[k] - a[k];
+    for (uint32_t c = 0; c + 1 < dimension; ++c)
+      sides[c][k] = m->vertices[corner[c + 1] * dimension + k] - a[k];
+  }
+  double uu = 0, uv = 0, vv = 0, up = 0, vp = 0, pp = 0;
+  for (int k = 0; k < 3; ++k) {
+    uu += sides[0][k] * sides[0][k], uv += sides[0][k] * sides[1][k];
+    vv += sides[1][k] * sides[1][k], pp += arm[k] * arm[k];
+    up += sides[0][k] * arm[k], vp += sides[1][k] * arm[k];
+  }
+  /* Squared distance to a + s u + t v: the feet on three edges, and that on the plane. */
+  const double det = uu * vv - uv * uv, s = (up * vv - vp * uv) / det,
+               t = (vp * uu - up * uv) / det;
+  const double on_u = fmin(fmax(up / uu, 0), 1), on_v = vv > 0 ? fmin(fmax(vp / vv, 0), 1) : 0;
+  const double on_w = vv > 0 ? fmin(fmax((vp - up + uu - uv) / (uu - 2 * uv + vv), 0), 1) : 0;
+  const double tried[4][2] = {{on_u, 0}, {0, on_v}, {1 - on_w, on_w}, {s, t}};
+  for (int i = 0; i < (dimension == 2 ? 1 : 4); ++i) {
+    const double x = tried[i][0], y = tried[i][1];
+    if (!(x >= 0 && y >= 0 && x + y <= 1 + 1e-12)) continue;
+    least = fmin(least, pp - 2 * (x * up + y * vp) + x * x * uu + 2 * x * y * uv + y * y * vv);
+  }
+  return sqrt(fmax(least, 0));
+}
+
+/* Curved both ways, hollow in places, of faces large and small. */
+static mesh bumpy_mesh(uint32_t dimension) {
+  enum { POINTS = 25, TURNS = 14 };
+  double profile[POINTS][2];
+  for (int i = 0; i < POINTS; ++i) {
+    const double angle = acos(-1) * i / (dimension == 2 ? 0.5 * POINTS : POINTS - 1);
+    const double r = 0.3 + 0.06 * cos(5 * angle) + 0.02 * sin(11 * angle);
+    profile[i][0] = r * sin(angle), profile[i][1] = 0.7 * r * cos(angle);
+  }
+  if (dimension == 3) profile[0][0] = profile[POINTS - 1][0] = 0;
+  return profile_mesh(dimension, POINTS, (const double(*)[2])profile, TURNS);
+}
+
+/* In and out, near and far. */
+static void nodes_have_the_nearest_face_s_distance(uint32_t dimension) {
+  mesh m = bumpy_mesh(dimension);
+  pbf_shape *shape = baked(&m, 0.04, 0);
+  pbf_shape_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_get_shape_info(shape, &info));
+  const uint32_t count = info.nodes[0] * info.nodes[1] * (dimension == 3 ? info.nodes[2] : 1);
+  float *values = malloc(count * sizeof *values);
+  assert_non_null(values);
+  assert_ok(pbf_get_shape_values(shape, count, values));
+  for (uint32_t n = 0; n < count; ++n) {
+    const uint32_t at[3] = {n % info.nodes[0], n / info.nodes[0] % info.nodes[1],
+                            n / info.nodes[0] / info.nodes[1]};
+    double place[3] = {0, 0, 0}, least = INFINITY;
+    for (uint32_t k = 0; k < dimension; ++k) place[k] = info.origin[k] + info.cell * at[k];
+    for (uint32_t f = 0; f < m.face_count; ++f) least = fmin(least, distance_to_face(&m, f, place));
+    assert_true(fabs(fabs((double)values[n]) - least) < 1e-7);
+  }
+  free(values);
+  pbf_release_shape(shape);
+  mesh_free(&m);
+}
+
 static void meshes_are_solids(void **state) {
   (void)state;
   for (uint32_t dimension = 2; dimension <= 3; ++dimension) {
     a_mesh_has_the_box_s_distances(dimension);
     hulls_and_terrains_are_boxes(dimension);
+    nodes_have_the_nearest_face_s_distance(dimension);
   }
 }
 
