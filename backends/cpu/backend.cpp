@@ -141,7 +141,6 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
 
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
   pbf_particles share = *particles;
-  add_weight(s);
   if (has_ranks(s) && !share_of_added(s, &share)) return end_on_ranks(s);
   append(s, &share);
   init_new(s, s->count - share.count);
@@ -149,7 +148,6 @@ static pbf_status add_particles(solver *s, const pbf_particles *particles) {
 }
 
 static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *ids) {
-  add_weight(s);
   wake_all(s);
   if (has_ranks(s)) note_removed(s, count, ids);
   remove_by_id(s, count, ids);
@@ -157,7 +155,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
 }
 
 static pbf_status remove_all(solver *s) {
-  s->count = s->asleep = s->ranks.total = 0;
+  s->count = s->asleep = s->ranks.total = s->grid_pressure_pending = 0;
   return PBF_OK;
 }
 
@@ -204,7 +202,7 @@ static pbf_status read_field(solver *s, uint32_t which, const pbf_rows *rows, vo
 }
 
 static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, const void *in) {
-  add_weight(s);
+  if (which == PBF_FIELD_POSITION || which == PBF_BACKEND_FIELD_REST) add_weight(s);
   if (has_ranks(s)) note_written(s, which, rows, in);
   if (which == PBF_BACKEND_FIELD_REST) {
     write_rest(s, rows, (const pbf_real *)in);

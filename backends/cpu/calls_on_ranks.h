@@ -5,7 +5,7 @@
 
 #include "common/report.h"
 #include "common/rank_shares.h"
-#include "common/rows.h"
+#include "common/id_rows.h"
 #include "cpu/arrays.h"
 #include "cpu/halo.h"
 
@@ -118,8 +118,10 @@ static void note_removed(solver *s, uint32_t count, const uint32_t *ids) {
 static uint32_t pack_rows(const pbf_rows *rows, const uint32_t *ids, uint32_t count,
                           const char *out, uint64_t row_bytes, char *to) {
   uint32_t known = 0;
+  pbf_id_rows all;
+  pbf_id_rows_begin(&all, rows->ids, rows->total);
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t row = pbf_row_of(rows, ids[i]) - rows->first;
+    const uint32_t row = pbf_id_row(&all, ids[i]) - rows->first;
     if (row >= rows->count) continue;
     if (to) {
       memcpy(to, &row, sizeof row);

@@ -2,7 +2,7 @@
 #ifndef PBF_CPU_PARTICLES_H
 #define PBF_CPU_PARTICLES_H
 
-#include "common/rows.h"
+#include "common/id_rows.h"
 #include "cpu/worker.h"
 #include "physics/passes/lambda.h"
 
@@ -24,9 +24,12 @@ static void append(solver *s, const pbf_particles *p) {
 
 static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
   buffers *b = &s->buffers;
-  uint32_t kept = 0;
+  uint32_t kept = 0, pending = 0;
+  pbf_id_rows removed;
+  pbf_id_rows_begin(&removed, ids, count);
   for (uint32_t i = 0; i < s->count; ++i) {
-    if (pbf_find_id(ids, count, b->ids[i]) < count) continue;
+    if (i == s->grid_pressure_pending) pending = kept;
+    if (pbf_id_row(&removed, b->ids[i]) < count) continue;
     field_set(&b->x, kept, field_at(&b->x, i));
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
@@ -36,46 +39,65 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     if (b->phase) b->phase[kept] = b->phase[i];
     b->ids[kept++] = b->ids[i];
   }
+  s->grid_pressure_pending = s->grid_pressure_pending < s->count ? pending : kept;
   s->count = kept;
 }
 
-/* Row of particle i among those asked for, or rows->count. */
-static uint32_t wanted_row(const pbf_rows *rows, uint32_t id) {
-  uint32_t row = pbf_row_of(rows, id) - rows->first;
-  return row < rows->count ? row : rows->count;
+/* What is asked for, to be looked up for all particles. */
+typedef struct wanted_rows {
+  uint32_t first, count;
+  pbf_id_rows all;
+} wanted_rows;
+
+static wanted_rows find_wanted(const pbf_rows *rows) {
+  wanted_rows wanted;
+  wanted.first = rows->first;
+  wanted.count = rows->count;
+  pbf_id_rows_begin(&wanted.all, rows->ids, rows->total);
+  return wanted;
+}
+
+/* Row of a particle among those asked for, or wanted.count. */
+static uint32_t wanted_row(const wanted_rows &wanted, uint32_t id) {
+  uint32_t row = pbf_id_row(&wanted.all, id) - wanted.first;
+  return row < wanted.count ? row : wanted.count;
 }
 
 static void read_vectors(const solver *s, const field *f, const pbf_rows *rows, pbf_real *out) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count; ++i) {
-    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row == rows->count) continue;
+    uint64_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row == wanted.count) continue;
     for (uint32_t k = 0; k < PBF_DIM; ++k) out[row * PBF_DIM + k] = f->c[k][i];
   }
 }
 
 static void write_vectors(solver *s, const field *f, const pbf_rows *rows, const pbf_real *in) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count; ++i) {
-    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row == rows->count) continue;
+    uint64_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row == wanted.count) continue;
     for (uint32_t k = 0; k < PBF_DIM; ++k) f->c[k][i] = in[row * PBF_DIM + k];
   }
 }
 
 /* Of those that may sleep: the activity and the lambda of each. */
 static void read_rest(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count && s->buffers.activity; ++i) {
-    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row == rows->count) continue;
+    uint64_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row == wanted.count) continue;
     out[row * 2] = s->buffers.activity[i];
     out[row * 2 + 1] = s->buffers.sleeping_lambda[i];
   }
 }
 
 static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
+  const wanted_rows wanted = find_wanted(rows);
   s->asleep = 0;
   for (uint32_t i = 0; i < s->count && s->buffers.activity; ++i) {
-    uint64_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) {
+    uint64_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row < wanted.count) {
       s->buffers.activity[i] = in[row * 2];
       s->buffers.sleeping_lambda[i] = s->lambda[i] = in[row * 2 + 1];
     }
@@ -84,40 +106,45 @@ static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
 }
 
 static void read_reals(const solver *s, const pbf_real *of, const pbf_rows *rows, pbf_real *out) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count; ++i) {
-    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) out[row] = of[i];
+    const uint32_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row < wanted.count) out[row] = of[i];
   }
 }
 
 static void write_reals(const solver *s, pbf_real *to, const pbf_rows *rows, const pbf_real *in) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count; ++i) {
-    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) to[i] = in[row];
+    const uint32_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row < wanted.count) to[i] = in[row];
   }
 }
 
 static void write_phases(solver *s, const pbf_rows *rows, const uint8_t *in) {
+  const wanted_rows wanted = find_wanted(rows);
   for (uint32_t i = 0; i < s->count; ++i) {
-    const uint32_t row = wanted_row(rows, s->buffers.ids[i]);
-    if (row < rows->count) s->buffers.phase[i] = in[row];
+    const uint32_t row = wanted_row(wanted, s->buffers.ids[i]);
+    if (row < wanted.count) s->buffers.phase[i] = in[row];
   }
 }
 
 /* After diagnose. */
 static void read_densities(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  const wanted_rows wanted = find_wanted(rows);
   const range own = own_places(s);
   for (uint32_t k = own.first; k < own.last; ++k) {
-    uint32_t row = wanted_row(rows, s->buffers.sorted_ids[k]);
-    if (row < rows->count) out[row] = diagnosed_densities(s)[k];
+    uint32_t row = wanted_row(wanted, s->buffers.sorted_ids[k]);
+    if (row < wanted.count) out[row] = diagnosed_densities(s)[k];
   }
 }
 
 static void read_pressure_rows(const solver *s, const pbf_rows *rows, pbf_real *out) {
+  const wanted_rows wanted = find_wanted(rows);
   const range own = own_places(s);
   for (uint32_t k = own.first; k < own.last; ++k) {
-    uint32_t row = wanted_row(rows, s->buffers.sorted_ids[k]);
-    if (row < rows->count)
+    uint32_t row = wanted_row(wanted, s->buffers.sorted_ids[k]);
+    if (row < wanted.count)
       out[row] = pbf_pressure(s->pressure_scale, s->buffers.fitted_lambda()[k]);
   }
 }

@@ -87,7 +87,7 @@ static void solve_pressure_grid(worker *w) {
 static void add_weight(solver *s) {
   if (!(PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) || !s->grid_pressure_pending) return;
   find_datum(s);
-  for (uint32_t i = 0; i < s->count && s->pressure_scale > 0; ++i)
+  for (uint32_t i = 0; i < s->grid_pressure_pending && s->pressure_scale > 0; ++i)
     s->lambda[i] += pbf_pressure_grid_particle_lambda(
         &s->pressure_grid, s->pressure_scale, s->grid_inv_time_step, field_at(&s->buffers.x, i));
   s->grid_pressure_pending = 0;

@@ -131,12 +131,13 @@ struct pbf_backend_solver {
 #include "physics/arrays.def"
 
   struct pressure_grid_solve pressure_grid_solve;
-  pbf_real *lambda;            /* of this iteration, or of all of a step: accelerated */
-  pbf_real *packed[2];         /* of what: see packed_positions and those after it */
-  int grid_pressure_pending;   /* 1: lambda is without what its grid added in the last step */
-  pbf_real grid_inv_time_step; /* of that step */
-  pbf_real *pressure;          /* once it has been looked at */
-  pbf_real pressure_scale;     /* of the last step */
+  pbf_real *lambda;               /* of this iteration, or of all of a step: accelerated */
+  pbf_real *packed[2];            /* of what: see packed_positions and those after it */
+  uint32_t grid_pressure_pending; /* so many particles, the first, have a lambda without what its
+                                     grid added in the last step; positions are those after it */
+  pbf_real grid_inv_time_step;    /* of that step */
+  pbf_real *pressure;             /* once it has been looked at */
+  pbf_real pressure_scale;        /* of the last step */
 
   pbf_overlap found;      /* for the next step; struct_size 0: none */
   int overlaps;           /* some may be left */

@@ -65,7 +65,8 @@ static uint32_t steps_at_once(const solver *s, uint32_t left) {
 }
 
 static void note_grid_pressure(solver *s) {
-  s->grid_pressure_pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+  const bool pending = s->schedule.runs[PBF_STAGE_GRID] && s->schedule.accelerated;
+  s->grid_pressure_pending = pending ? s->count : 0;
   s->grid_inv_time_step = (pbf_real)(1 / s->params.time_step);
 }
 

@@ -192,10 +192,46 @@ static void check_whose(uint32_t dimension, uint32_t precision) {
   pbf_destroy(s);
 }
 
+/* Gives velocities, adds two particles, and takes two of the first away, and one of the two. */
+static void change_particles(pbf_solver *s, uint32_t dimension, uint32_t precision) {
+  const uint32_t count = count_of(s), gone[3] = {2, 17, count};
+  void *x = calloc((size_t)count * dimension, precision);
+  assert_non_null(x);
+  assert_ok(pbf_get_velocities(s, 0, count, x));
+  assert_ok(pbf_set_velocities(s, 0, count, x));
+  for (uint32_t k = 0; k < 2 * dimension; ++k) test_put(x, k, precision, k == 1 ? 0.3 : 0.1);
+  assert_ok(pbf_add_particles(s, 2, x, NULL, NULL));
+  assert_ok(pbf_remove_particles(s, 3, gone));
+  free(x);
+}
+
+/* Deep water, whose pressures are in part on a grid until they are asked for: asked before changes
+ * and after them, or after them alone, they are the same. */
+static void check_changes_before_looking(uint32_t dimension, uint32_t precision) {
+  double *after[2];
+  uint32_t count = 0;
+  for (int looks = 0; looks < 2; ++looks) {
+    pbf_solver *s = tank(dimension, precision, 4, 24);
+    pbf_params params = tank_params(4, 24);
+    params.pressure_grid = 2;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 5));
+    if (looks) free(pressures_of(s, precision));
+    change_particles(s, dimension, precision);
+    after[looks] = pressures_of(s, precision);
+    count = count_of(s);
+    pbf_destroy(s);
+  }
+  assert_true(largest_of(after[0], count) > 1);
+  assert_same(after[0], after[1], count, "looked at before changes");
+  free(after[0]), free(after[1]);
+}
+
 static void everybody_keeps_their_own(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
   test_for_each_kind(check_whose);
+  test_for_each_kind(check_changes_before_looking);
 }
 
 static void check_view(uint32_t dimension, uint32_t precision) {
