@@ -87,6 +87,29 @@ static void find_distances(const pbf_mesh *mesh, const pbf_mesh_tree *tree, doub
   }
 }
 
+/* Outwards is one side of all faces: where a part is within another one, or beside it, and faces
+ * the wrong way, places between them are inside by the one and outside by the other. */
+static pbf_status check_parts(const pbf_shape *s, const char *label) {
+  const uint64_t strides[3] = {1, s->nodes[0], (uint64_t)s->nodes[0] * s->nodes[1]};
+  char text[3][PBF_NUMBER_SIZE];
+  for (uint64_t n = 0, all = pbf_shape_nodes(s->nodes); n < all; ++n)
+    for (uint32_t k = 0; k < s->dimension; ++k) {
+      if (n / strides[k] % s->nodes[k] == 0) continue;
+      const double change = (double)s->values[n] - (double)s->values[n - strides[k]];
+      if (fabs(change) <= pbf_shape_steepest_edge * s->cell) continue;
+      for (uint32_t axis = 0; axis < 3; ++axis) {
+        const uint64_t at = n / strides[axis] % s->nodes[axis];
+        pbf_text_number(text[axis], s->origin[axis] + s->cell * (double)at);
+      }
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "%s has parts that face opposite sides, or one within another that faces the "
+                      "same side: near (%s, %s%s%s) is inside of one and outside of another",
+                      label, text[0], text[1], s->dimension == 3 ? ", " : "",
+                      s->dimension == 3 ? text[2] : "");
+    }
+  return PBF_OK;
+}
+
 static pbf_status bake(const pbf_mesh *mesh, const pbf_mesh_tree *tree, const char *label,
                        double cell, double thickness, pbf_shape **shape) {
   double origin[3];
@@ -102,7 +125,10 @@ static pbf_status bake(const pbf_mesh *mesh, const pbf_mesh_tree *tree, const ch
   memcpy(made->shape.origin, origin, sizeof origin);
   made->shape.cell = cell;
   find_distances(mesh, tree, thickness, made);
-  return pbf_shape_finish(made, label, shape);
+  status = check_parts(&made->shape, label);
+  if (status == PBF_OK) return pbf_shape_finish(made, label, shape);
+  free(made);
+  return status;
 }
 
 pbf_status pbf_mesh_bake(const pbf_mesh *mesh, const char *label, double cell, double thickness,

@@ -12,9 +12,6 @@
 #include "structs.h"
 #include "text.h"
 
-/* What is a distance changes by no more than the way; linear interpolation and noise want some. */
-static const double steepest_edge = 1.5;
-
 /* ---- Checks --------------------------------------------------------------------------------- */
 
 pbf_status pbf_shape_check_size(const char *label, uint32_t dimension, const uint32_t size[3]) {
@@ -96,7 +93,7 @@ static pbf_status check_node(const pbf_shape *s, const node *n, const char *labe
     if (n->at[k] == 0) continue;
     const uint64_t before = n->index - stride_of(s, k);
     const double other = (double)s->values[before];
-    if (fabs(value - other) <= steepest_edge * s->cell) continue;
+    if (fabs(value - other) <= pbf_shape_steepest_edge * s->cell) continue;
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "%s[%" PRIu64 "] is %s, and [%" PRIu64
                     "], a cell from it, %s; a distance "

@@ -4,6 +4,9 @@
 
 #include "registry.h"
 
+/* What is a distance changes by no more than the way; linear interpolation and noise want some. */
+static const double pbf_shape_steepest_edge = 1.5;
+
 /* Checks the values of a grid that has its size, origin and cell, measures the solid and publishes
  * it; frees it where it fails. `label` is what messages call the values. */
 pbf_status pbf_shape_finish(pbf_live_shape *made, const char *label, pbf_shape **shape);

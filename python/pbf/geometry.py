@@ -29,8 +29,11 @@ def _dimension_of(name: str, points: AnyArray) -> int:
 def _corners(name: str, faces: AnyArray, columns: int) -> NDArray[Any]:
     """Numbers of vertices, of which a cast would make others."""
     given = real_numbers(name, numpy_of(name, faces))
-    if given.size and (given.dtype.kind == "f" or not 0 <= given.min() <= given.max() <= UINT32_MAX):
-        raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold integers, 0 … {UINT32_MAX}")
+    held = given.dtype if given.dtype.kind == "f" else None
+    if held is None and given.size and not 0 <= given.min() <= given.max() <= UINT32_MAX:
+        held = given.min() if given.min() < 0 else given.max()
+    if held is not None and given.size:
+        raise InvalidArgumentError(f"{name} holds {held}; it must hold integers, 0 … {UINT32_MAX}")
     return _contiguous(name, given, np.uint32, columns)
 
 

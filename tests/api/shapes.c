@@ -313,6 +313,51 @@ static void bad_meshes_are_refused(void **state) {
   mesh_free(&m);
 }
 
+/* A box within another, or beside it, `turned` the other way round or not. */
+static mesh two_boxes(uint32_t dimension, double size, double beside, int turned) {
+  mesh m = box_mesh(dimension, box_half), all;
+  const uint32_t vertices = m.vertex_count, faces = m.face_count;
+  all = mesh_of(dimension, 2 * vertices, 2 * faces);
+  all.vertex_count = 2 * vertices, all.face_count = 2 * faces;
+  for (uint32_t i = 0; i < 2 * vertices * dimension; ++i) {
+    const uint32_t from = i % (vertices * dimension);
+    const double other = size * m.vertices[from] + (from % dimension == 0 ? beside : 0);
+    all.vertices[i] = i == from ? m.vertices[from] : other;
+  }
+  for (uint32_t f = 0; f < 2 * faces; ++f)
+    for (uint32_t c = 0; c < dimension; ++c) {
+      const uint32_t corner = f >= faces && turned && c < 2 ? 1 - c : c;
+      all.faces[f * dimension + c] =
+          m.faces[f % faces * dimension + corner] + (f >= faces ? vertices : 0);
+    }
+  mesh_free(&m);
+  return all;
+}
+
+static void parts_face_as_they_lie(void **state) {
+  (void)state;
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
+    for (int which = 0; which < 4; ++which) {
+      const int turned = which & 1, apart = which >> 1;
+      mesh m = two_boxes(dimension, apart ? 1 : 0.5, apart ? 0.6 : 0, turned);
+      const pbf_mesh_desc desc = mesh_desc_of(&m, 0.5 * d, 0);
+      pbf_shape *shape = NULL;
+      if (turned == apart) {
+        assert_fails(pbf_shape_from_mesh(&desc, &shape), PBF_ERROR_INVALID_ARGUMENT,
+                     "parts that face opposite sides, or one within another");
+      } else {
+        const double box_volume = 0.4 * 0.6 * (dimension == 3 ? 0.4 : 1);
+        pbf_shape_info info = {.struct_size = sizeof info};
+        assert_ok(pbf_shape_from_mesh(&desc, &shape));
+        assert_ok(pbf_get_shape_info(shape, &info));
+        const double right = apart ? 2 : 1 - pow(0.5, dimension);
+        assert_true(fabs(info.volume / box_volume / right - 1) < 0.01);
+        pbf_release_shape(shape);
+      }
+      mesh_free(&m);
+    }
+}
+
 /* The bed of a river that falls by 1 : 20 between its banks: neighbours lie in one plane but for
  * what is rounded, and as heights no terrain crosses itself. */
 /* Faces that lie on nodes, where the distance is 0, are where the solid ends. */
@@ -443,6 +488,7 @@ int main(void) {
       cmocka_unit_test(meshes_are_solids),
       cmocka_unit_test(bad_grids_are_refused),
       cmocka_unit_test(bad_meshes_are_refused),
+      cmocka_unit_test(parts_face_as_they_lie),
       cmocka_unit_test(bounds_reach_nodes_on_faces),
       cmocka_unit_test(terrains_of_planes_are_taken),
       cmocka_unit_test(bad_colliders_are_refused),
