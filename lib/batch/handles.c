@@ -6,6 +6,7 @@
 #include "free.h"
 #include "lock.h"
 #include "os.h"
+#include "solver/handles.h"
 
 static pbf_batch *first_live;
 
@@ -86,6 +87,7 @@ static void destroy(pbf_batch *batch) {
     return;
   }
   *link = batch->next_live;
+  for (uint32_t k = 0; k < batch->world_count; ++k) pbf_solver_silence(batch->worlds[k].solver);
   drop_reference(batch);
 }
 

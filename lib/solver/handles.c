@@ -231,6 +231,10 @@ void pbf_solver_set_in_batch(pbf_solver *solver, uint32_t in_batch) {
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
 
+void pbf_solver_silence(pbf_solver *solver) {
+  atomic_store_explicit(&solver->destroyed, 1, memory_order_relaxed);
+}
+
 static void destroy(pbf_solver *solver) {
   if (belongs_to_batch(solver)) return;
   end_begun(solver);
@@ -242,7 +246,7 @@ static void destroy(pbf_solver *solver) {
     return;
   }
   *link = solver->next_live;
-  atomic_store_explicit(&solver->destroyed, 1, memory_order_relaxed);
+  pbf_solver_silence(solver);
   see_whether_left(solver);
   drop_reference(solver);
 }

@@ -32,6 +32,9 @@ void pbf_solver_publish(pbf_solver *solver);
 /* 1: pbf_destroy leaves the solver to its batch. */
 void pbf_solver_set_in_batch(pbf_solver *solver, uint32_t in_batch);
 
+/* From now on its calls log nothing, as after pbf_destroy. */
+void pbf_solver_silence(pbf_solver *solver);
+
 /* An exported tensor keeps the solver's memory alive. */
 void pbf_solver_add_export(pbf_solver *solver);
 void pbf_solver_drop_export(pbf_solver *solver);

@@ -243,6 +243,42 @@ static void worlds_are_the_batchs(void **state) {
   assert_int_equal(test_count.live_blocks, 0);
 }
 
+typedef struct owner {
+  pbf_batch *_Atomic batch;
+  atomic_uint logs;
+} owner;
+
+static void destroy_it(void *user, int32_t level, const char *message) {
+  owner *own = user;
+  (void)level, (void)message;
+  atomic_fetch_add(&own->logs, 1);
+  pbf_batch_destroy(atomic_exchange(&own->batch, NULL));
+}
+
+/* Each world's step is too long for two causes, each of which it would log. */
+static void a_log_destroys(uint32_t threads) {
+  pbf_desc desc = desc_for(3, PBF_FLOAT32, threads);
+  owner own = {NULL, 0};
+  desc.log = destroy_it, desc.log_user = &own;
+  pbf_batch *batch = furnished(&desc);
+  pbf_params params = test_params();
+  params.time_step = 1;
+  params.attraction = 20;
+  for (uint32_t k = 0; k < WORLDS; ++k) assert_ok(pbf_set_params(world_of(batch, k), &params));
+  own.logs = 0;
+  own.batch = batch;
+  assert_ok(pbf_batch_step(batch, NULL, 2));
+  assert_in_range(own.logs, 1, threads); /* others may be in theirs when the first one destroys */
+  assert_fails(pbf_batch_step(batch, NULL, 1), PBF_ERROR_INVALID_ARGUMENT, "has taken back");
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
+static void a_batch_is_destroyed_in_its_log(void **state) {
+  (void)state;
+  a_log_destroys(1);
+  a_log_destroys(3);
+}
+
 /* What serves instead of a named backend serves all worlds, without the device of that one. */
 static void all_worlds_fall_back(void **state) {
   (void)state;
@@ -524,6 +560,7 @@ int main(void) {
       cmocka_unit_test(rows_that_worlds_lack_are_checked),
       cmocka_unit_test(wrong_observations_have_sentences),
       cmocka_unit_test(worlds_are_the_batchs),
+      cmocka_unit_test(a_batch_is_destroyed_in_its_log),
       cmocka_unit_test(all_worlds_fall_back),
       cmocka_unit_test(memory_may_run_out),
       cmocka_unit_test(a_thousand_batches_leave_nothing),
