@@ -318,11 +318,19 @@ static pbf_status get_timings(solver *s, pbf_timings *timings) {
   return PBF_OK;
 }
 
+static pbf_status any_of_ranks(solver *s, uint32_t mine, uint32_t *any) {
+  if (!agree_on_call(s, "pbf_step", NULL, 0)) return end_on_ranks(s);
+  *any = max_of_ranks(s, mine) > 0;
+  return end_on_ranks(s);
+}
+
 /* That it works on ranks, with phases: pbf_backend_desc.ranks. And how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
-  const bool asked = strcmp(name, PBF_BACKEND_RANKS) == 0;
-  return (PBF_BUILT & PBF_FEATURE_RANKS) && asked ? &works : pbf_common_extension(name);
+  static const pbf_backend_ranks_tell tell = {sizeof tell, 0, any_of_ranks};
+  if (!(PBF_BUILT & PBF_FEATURE_RANKS)) return pbf_common_extension(name);
+  if (strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
+  return strcmp(name, PBF_BACKEND_RANKS) == 0 ? &works : pbf_common_extension(name);
 }
 
 extern "C" const pbf_backend_api PBF_VARIANT_API;

@@ -648,12 +648,22 @@ static pbf_status get_timings(pbf_backend_solver *handle, pbf_timings *timings) 
   return PBF_OK;
 }
 
+static pbf_status any_of_ranks(pbf_backend_solver *handle, uint32_t mine, uint32_t *any) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (!agree_on_call(s, "pbf_step", nullptr, 0)) return end_on_ranks(s);
+  *any = !on_all_ranks(s, !mine);
+  return end_on_ranks(s);
+}
+
 /* That it works on ranks: pbf_backend_desc.ranks; how worlds of a batch step together; the caller's
  * memory on the device; and how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 1;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
+  static const pbf_backend_ranks_tell tell = {sizeof(pbf_backend_ranks_tell), 0, any_of_ranks};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
+  if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
   if (strcmp(name, PBF_BACKEND_DEVICE_ROWS) == 0) return &device_calls;
   return strcmp(name, PBF_BACKEND_WORLDS) == 0 ? &worlds : pbf_common_extension(name);
 }

@@ -39,9 +39,9 @@ typedef struct pbf_batch pbf_batch;
 PBF_API pbf_status pbf_batch_create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
                                     pbf_batch **batch);
 
-/* Destroys the worlds, too. Null is a no-op. Tensors live on until their deleter runs. In a callback
- * the call goes on to its end, without a log but those that other threads are in by then; then the
- * batch is freed. */
+/* Destroys the worlds, too. Null is a no-op. Tensors live on until their deleter runs. In a
+ * callback the call goes on to its end, without a log but those that other threads are in by then;
+ * then the batch is freed. */
 PBF_API void pbf_batch_destroy(pbf_batch *batch);
 
 /* How many worlds a batch has, and what steps them. */

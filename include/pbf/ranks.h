@@ -10,6 +10,9 @@
  * Ranks that make other calls, or with other arguments, are told so by the next call that needs
  * them all, before it changes anything. What a rank only asks of itself needs no others:
  * pbf_get_count, pbf_get_info, pbf_get_plan, pbf_get_ids, pbf_get_collider and the like.
+ *
+ * pbf_cancel, on one rank or on several, ends the call on all after the same step, and so does
+ * pbf_destroy of begun steps.
  */
 #ifndef PBF_RANKS_H
 #define PBF_RANKS_H

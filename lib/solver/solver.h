@@ -97,6 +97,8 @@ struct pbf_solver {
   void *log_user;
   pbf_callbacks callbacks;
   pbf_ranks ranks; /* count 0: alone */
+  uint32_t untold; /* steps since ranks have told each other whether their call is cancelled, … */
+  uint32_t told;   /* … and 1: it is */
   const pbf_plugin *plugin;
   pbf_backend_api api; /* the table of this solver's variant */
   pbf_backend_solver *backend;

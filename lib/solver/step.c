@@ -59,12 +59,12 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
 }
 
 /* A backend runs so many of the steps at once, without a look at whether they are cancelled: by
- * their work in some 20 ms. */
+ * their work in some 20 ms, which ranks share. */
 static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
   const double most_steps = 1000; /* a step of a GPU takes 20 µs however few particles there are */
   const double one = fmax(((double)solver->count + 1) * solver->params.iterations,
                           solver->work_at_once / most_steps);
-  const double most = 1 + solver->work_at_once / one;
+  const double most = 1 + solver->work_at_once * fmax(1, solver->ranks.count) / one;
   return most < steps ? (uint32_t)most : steps;
 }
 
@@ -188,15 +188,34 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   return solver->diffuse->work->advance(solver);
 }
 
+static uint32_t is_asked_to_end(const pbf_solver *solver) {
+  return atomic_load_explicit(&solver->cancelled, memory_order_relaxed);
+}
+
+/* On ranks once all know it. */
 static int is_cancelled(const pbf_solver *solver) {
-  return (int)atomic_load_explicit(&solver->cancelled, memory_order_relaxed);
+  return (int)(solver->ranks.count ? solver->told : is_asked_to_end(solver));
+}
+
+/* One rank's cancellation ends the call on all after the same step: each would else wait for one
+ * that has gone on to another call. Not before a first step, by which they know that all are in
+ * this call. */
+static pbf_status tell_ranks(pbf_solver *solver) {
+  const pbf_backend_api *api = &solver->api;
+  if (!solver->ranks.count || solver->untold < steps_at_once(solver, UINT32_MAX)) return PBF_OK;
+  solver->untold = 0;
+  const pbf_backend_ranks_tell *tell = api->get_extension(PBF_BACKEND_RANKS_TELL);
+  if (!tell || tell->struct_size < sizeof *tell) return PBF_OK;
+  return pbf_backend_result(
+      solver, tell->any(solver->backend, is_asked_to_end(solver), &solver->told), "any");
 }
 
 /* What steps cost beside their particles, and how busy the processors are, the clock tells; of a
- * device, which goes on working after a call, it does not. No bit depends on it. */
+ * device, which goes on working after a call, it does not, and to ranks, which are to make the same
+ * calls, clocks tell different things. No bit depends on it. */
 static uint32_t next_piece(const pbf_solver *solver, uint32_t piece, double seconds) {
   const double long_time = 0.02;
-  if (solver->on_device || solver->count == 0) return UINT32_MAX;
+  if (solver->on_device || solver->count == 0 || solver->ranks.count) return UINT32_MAX;
   if (seconds > long_time) return piece > 1 ? piece / 2 : 1;
   return seconds < 0.4 * long_time && piece <= UINT32_MAX / 2 ? 2 * piece : piece;
 }
@@ -209,6 +228,8 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   double begin = pbf_seconds();
   for (uint32_t done = 0; status == PBF_OK && steps > 0 && !is_cancelled(solver); steps -= done) {
     status = advance_part(solver, steps < piece ? steps : piece, &done);
+    solver->untold += done;
+    if (status == PBF_OK && done < steps) status = tell_ranks(solver);
     const double now = pbf_seconds();
     piece = next_piece(solver, piece, now - begin);
     begin = now;
@@ -264,6 +285,7 @@ pbf_status pbf_run_steps(pbf_solver *solver, uint32_t steps) {
   uint32_t left = steps;
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || steps == 0) return status;
+  solver->untold = solver->told = 0;
   pbf_check_step_length(solver);
   status = advance_far(solver, &left);
   return status == PBF_OK ? run_to_end(solver, left, steps) : status;

@@ -1,4 +1,7 @@
 /* What ranks refuse, and what they say when they differ or one of them is gone. */
+#include <pthread.h>
+#include <time.h>
+
 #include <pbf/phases.h>
 
 #include "support.h"
@@ -260,6 +263,107 @@ static void a_rank_that_dies_ends_the_call_on_all(void **state) {
   }
 }
 
+/* ---- Long calls ---------------------------------------------------------------------------- */
+
+/* A call of many steps is made in parts, which are not what each rank takes them to be by its own
+ * clock. */
+static void step_for_long(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  for (int k = 0; k < 3; ++k) {
+    if (ranks->rank == 1) thread_rank_of(ranks)->nap = 5e-5;
+    EXPECT_OK(pbf_step(s, 100));
+  }
+  pbf_destroy(s);
+}
+
+static void clocks_of_ranks_differ(void **state) {
+  (void)state;
+  run(2, 0, step_for_long, NULL);
+}
+
+static void *cancel_soon(void *solver) {
+  const struct timespec a_while = {0, 50000000};
+  nanosleep(&a_while, NULL);
+  EXPECT_OK(pbf_cancel(solver));
+  return NULL;
+}
+
+/* One rank's cancellation ends the call on all after the same step. */
+static void cancel_one(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_info info = {.struct_size = sizeof info};
+  uint64_t *steps = context;
+  pthread_t thread;
+  if (!s) return;
+  fill(s, 0);
+  for (int begun = 0; begun < 2; ++begun) {
+    const int cancels = ranks->rank == (begun ? 0 : 2);
+    if (cancels && !EXPECT(pthread_create(&thread, NULL, cancel_soon, s) == 0)) return;
+    if (begun) EXPECT_OK(pbf_begin_step(s, 2000000000));
+    EXPECT_FAILS(begun ? pbf_end_step(s) : pbf_step(s, 2000000000), PBF_ERROR_CANCELLED,
+                 "pbf_cancel has ended the call");
+    if (cancels) pthread_join(thread, NULL);
+    EXPECT_OK(pbf_step(s, 1));
+    EXPECT_OK(pbf_get_info(s, &info));
+    steps[2 * ranks->rank + (uint32_t)begun] = info.step;
+  }
+  pbf_destroy(s);
+}
+
+static void a_cancellation_is_that_of_all(void **state) {
+  uint64_t steps[6] = {0};
+  (void)state;
+  run(3, 0, cancel_one, steps);
+  for (int k = 2; k < 6; ++k) assert_true(steps[k] == steps[k % 2] && steps[k] > 1);
+}
+
+static void destroy_while_begun(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const struct timespec a_while = {0, 50000000L * (1 + ranks->rank)};
+  pbf_solver *s = solver_on(ranks, &params);
+  uint32_t count;
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_begin_step(s, 2000000000));
+  EXPECT_FAILS(pbf_get_count(s, &count), PBF_ERROR_BUSY, "pbf_begin_step");
+  nanosleep(&a_while, NULL);
+  pbf_destroy(s);
+  EXPECT(!thread_rank_of(ranks)->all->failed);
+}
+
+static void begun_steps_are_destroyed_on_all(void **state) {
+  (void)state;
+  run(3, 0, destroy_while_begun, NULL);
+}
+
+static void die_while_begun(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_begin_step(s, 2000000000));
+  EXPECT_FAILS(pbf_end_step(s), PBF_ERROR_UNAVAILABLE,
+               ranks->rank == 1 ? "this rank is dead" : "a rank has not answered");
+  EXPECT_OK(pbf_begin_step(s, 1));
+  EXPECT_FAILS(pbf_end_step(s), PBF_ERROR_STATE, "nothing but pbf_destroy");
+  EXPECT_OK(pbf_begin_step(s, 1));
+  pbf_destroy(s);
+}
+
+static void a_rank_that_dies_ends_begun_steps_on_all(void **state) {
+  const uint64_t dies_after[3] = {0, 40, 0};
+  (void)state;
+  thread_ranks_run(3, 0, NULL, dies_after, die_while_begun, NULL);
+  assert_int_equal(ranks_failures(), 0);
+}
+
 /* ---- States -------------------------------------------------------------------------------- */
 
 typedef struct saved {
@@ -326,6 +430,10 @@ int main(void) {
       cmocka_unit_test(ranks_that_differ_are_told_in_what),
       cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),
+      cmocka_unit_test(clocks_of_ranks_differ),
+      cmocka_unit_test(a_cancellation_is_that_of_all),
+      cmocka_unit_test(begun_steps_are_destroyed_on_all),
+      cmocka_unit_test(a_rank_that_dies_ends_begun_steps_on_all),
       cmocka_unit_test(a_state_goes_on_with_other_numbers_of_ranks),
   };
   return TEST_RUN(tests);

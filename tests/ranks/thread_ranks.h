@@ -16,6 +16,7 @@ typedef struct thread_rank {
   uint32_t rank;
   uint64_t calls;      /* that have communicated, */
   uint64_t dies_after; /* and after which it is never heard of again; 0: it lives */
+  double nap; /* seconds that it sleeps after it has communicated, each time a little more */
   uint64_t bytes_sent; /* by exchanges */
   uint64_t exchanges;  /* in two calls; what the running one is to receive: */
   uint32_t receive_count;
