@@ -432,6 +432,12 @@ static inline void pbf_derive_neighbors(uint32_t dimension, pbf_derived *d) {
       d->surface_lacks > 0 ? of.beyond * d->per_neighbor / d->surface_lacks : 0;
 }
 
+/* volume / unit^dimension. */
+static inline double pbf_volume_in(double unit, double volume, uint32_t dimension) {
+  for (uint32_t k = 0; k < dimension; ++k) volume /= unit;
+  return volume;
+}
+
 static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dimension) {
   pbf_derived d;
   memset(&d, 0, sizeof d);
@@ -440,12 +446,16 @@ static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dim
   double h = params->smoothing_radius, no_wave[3] = {0, 0, 0};
   d.h = h;
   d.spacing = pbf_derive_spacing(params);
-  pbf_lattice_sums sums = pbf_lattice(kernel, dimension, h, d.spacing, no_wave);
-  d.volume = params->particle_volume > 0 ? params->particle_volume : 1 / sums.density;
+  /* Slopes of kernels go as h to the power of -4: squares of them are no numbers from 1e39 on. */
+  const double unit = pbf_unit_near(h), one_h = h / unit, one_spacing = d.spacing / unit;
+  pbf_lattice_sums sums = pbf_lattice(kernel, dimension, one_h, one_spacing, no_wave);
+  d.volume = params->particle_volume > 0 ? params->particle_volume
+                                         : pbf_volume_in(1 / unit, 1 / sums.density, dimension);
+  const double one_volume = pbf_volume_in(unit, d.volume, dimension);
   d.value_scale = d.volume * pbf_norm_value(kernel, dimension, h);
   d.gradient_scale = d.volume * pbf_norm_slope(kernel, dimension, h);
-  d.diagonal = d.volume * d.volume * sums.slope2;
-  d.pressure = d.volume * sums.pull;
+  d.diagonal = one_volume * one_volume * sums.slope2 / unit / unit;
+  d.pressure = one_volume * sums.pull;
   if (params->solver == PBF_SOLVER_CHEBYSHEV)
     d.stiffness = d.volume * pbf_lattice_stiffness(kernel, dimension, h, d.spacing);
   pbf_missing first = pbf_wall_lattice(kernel, dimension, h, d.spacing, d.volume, 1);
@@ -454,9 +464,10 @@ static inline pbf_derived pbf_derive_from(const pbf_params *params, uint32_t dim
   d.wall_fabric_along = first.along;
   if (params->wall_density > 0) pbf_derive_wall(kernel, dimension, first, &d);
   d.cfm = params->cfm / (h * h);
-  d.omega = params->over_relaxation > 0
-                ? params->over_relaxation
-                : PBF_SAFE_RELAXATION / pbf_lattice_lambda_max(kernel, dimension, h, d.spacing);
+  d.omega =
+      params->over_relaxation > 0
+          ? params->over_relaxation
+          : PBF_SAFE_RELAXATION / pbf_lattice_lambda_max(kernel, dimension, one_h, one_spacing);
   d.scorr_k = params->scorr_k;
   d.scorr_dq2 = params->scorr_dq * params->scorr_dq;
   if (params->scorr_k > 0)

@@ -140,9 +140,24 @@ static void in_other_units(uint32_t dimension, uint32_t precision) {
   assert_int_equal(wrong, 0);
 }
 
+/* h from 5.7e-74 to 4.5e73, where squares of kernels' slopes are no numbers. */
+static void at_the_ends_of_float64(uint32_t dimension, uint32_t precision) {
+  const scale scales[] = {{1, 1}, {0x1p248, 1}, {0x1p-240, 1}};
+  double *states[3];
+  uint32_t values;
+  if (precision == PBF_FLOAT32) return;
+  for (int u = 0; u < 3; ++u)
+    states[u] = state_after(dimension, precision, paper, scales[u], &values);
+  for (uint32_t i = 0; i < values; ++i)
+    assert_true(isfinite(states[0][i]) && states[1][i] == states[0][i] &&
+                states[2][i] == states[0][i]);
+  for (int u = 0; u < 3; ++u) free(states[u]);
+}
+
 static void the_same_bits(void **state) {
   (void)state;
   test_for_each_kind(in_other_units);
+  test_for_each_kind(at_the_ends_of_float64);
 }
 
 static void refuse(uint32_t precision, double h, const char *sentence) {
