@@ -12,17 +12,21 @@
 /* A call may be of all steps that there will ever be, until it is cancelled. */
 enum { AT_ONCE = 1024 };
 
+/* Whether what moves is where it could be set, and its particles be read from a saved state. */
+static int is_beyond(const pbf_solver *solver, double place) {
+  return pbf_check_finite(place, solver->kind.precision) || fabs(place) > pbf_check_most;
+}
+
 /* ---- Walls ----------------------------------------------------------------------------------- */
 
 /* Why the domain's walls can't be where they are when a step ends. */
 typedef enum closing { WALLS_STAND, WALLS_MEET, WALL_OVERFLOWS } closing;
 
 static closing closing_after(const pbf_solver *solver, uint32_t steps) {
-  const uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
+  const uint32_t dimension = solver->kind.dimension;
   const pbf_box box = pbf_params_box(&solver->params, dimension, pbf_time_of_step(solver, steps));
   for (uint32_t k = 0; k < dimension; ++k)
-    if (pbf_check_finite(box.lower[k], precision) || pbf_check_finite(box.upper[k], precision))
-      return WALL_OVERFLOWS;
+    if (is_beyond(solver, box.lower[k]) || is_beyond(solver, box.upper[k])) return WALL_OVERFLOWS;
   return pbf_box_closed_axis(&box, dimension) != dimension ? WALLS_MEET : WALLS_STAND;
 }
 

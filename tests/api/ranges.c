@@ -123,6 +123,24 @@ static void parts_never_or_at_once(uint32_t dimension, uint32_t precision) {
   }
 }
 
+/* What a step leaves of errors goes as weight times its square. */
+static void longest_steps_under_most_weight(uint32_t dimension, uint32_t precision) {
+  const double most = precision == PBF_FLOAT32 ? 3e38 : 1e150;
+  for (int weight = 0; weight < 2; ++weight) {
+    pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
+    pbf_params params = test_params();
+    uint64_t size = 0;
+    params.time_step = most;
+    *(weight ? &params.attraction : &params.gravity[1]) = most;
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 1));
+    void *saved = test_save(s, &size);
+    assert_ok(pbf_load(s, saved, size));
+    free(saved);
+    pbf_destroy(s);
+  }
+}
+
 static void ends_of_ranges(void **state) {
   (void)state;
   test_for_each_kind(at_the_ends);
@@ -130,6 +148,7 @@ static void ends_of_ranges(void **state) {
   test_for_each_kind(fastest_without_walls);
   test_for_each_kind(h_is_hardly_more_than_the_spacing);
   test_for_each_kind(parts_never_or_at_once);
+  test_for_each_kind(longest_steps_under_most_weight);
 }
 
 /* Not before it has to be. */
@@ -191,16 +210,19 @@ static void comes_back(uint32_t dimension, uint32_t precision) {
 
 /* Also away from the fluid. */
 static void walls_fly_away(uint32_t dimension, uint32_t precision) {
-  if (precision != PBF_FLOAT32) return; /* no speed that is taken leads so far */
+  const double speed = precision == PBF_FLOAT32 ? 3e38 : 0.9e150;
+  char words[96];
+  snprintf(words, sizeof words,
+           "step 3 of 5 would end at time 1.5, when a moving wall is beyond what float%u",
+           8 * precision);
   for (int wall = 0; wall < 2; ++wall) {
     pbf_solver *s = test_filled(dimension, precision, COUNT, COUNT);
     pbf_params params = test_params();
     uint64_t size = 0;
     params.time_step = 0.5;
-    params.wall_velocity[wall] = wall == PBF_WALL_X_MIN ? -3e38 : 3e38;
+    params.wall_velocity[wall] = wall == PBF_WALL_X_MIN ? -speed : speed;
     assert_ok(pbf_set_params(s, &params));
-    assert_fails(pbf_step(s, 5), PBF_ERROR_STATE,
-                 "step 3 of 5 would end at time 1.5, when a moving wall is beyond what float32");
+    assert_fails(pbf_step(s, 5), PBF_ERROR_STATE, words);
     void *saved = test_save(s, &size);
     assert_ok(pbf_load(s, saved, size));
     free(saved);
