@@ -81,7 +81,8 @@ int pbf_os_look(const char *path, int *is_regular) {
 
 int pbf_os_open(const char *path, int *file, uint64_t *size) {
   struct stat there;
-  *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  do *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  while (*file < 0 && errno == EINTR);
   if (*file < 0) return errno;
   if (fstat(*file, &there) == 0) {
     *size = (uint64_t)there.st_size;

@@ -22,14 +22,22 @@ inline std::string content_of(const std::string &path, uintmax_t most,
   const auto failed = [&path](int error) {
     return std::runtime_error(path + " can't be read: " + std::strerror(error));
   };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "rb"),
-                                                              std::fclose);
+  std::FILE *opened = nullptr;  // a signal is no reason to give a pipe up
+  do opened = std::fopen(path.c_str(), "rb");
+  while (!opened && errno == EINTR);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(opened, std::fclose);
   if (!file) throw failed(errno);
   std::string bytes;
   static char chunk[1 << 16];
   try {
-    while (const size_t count = std::fread(chunk, 1, sizeof chunk, file.get())) {
+    for (;;) {
+      errno = 0;
+      const size_t count = std::fread(chunk, 1, sizeof chunk, file.get());
       bytes.append(chunk, count);
+      if (std::ferror(file.get()) && errno == EINTR)
+        std::clearerr(file.get());
+      else if (count == 0)
+        break;
       const size_t seen = std::min(bytes.size(), mark.size());
       if (bytes.compare(0, seen, mark, 0, seen) != 0) return bytes;
       if (bytes.size() > most)

@@ -14,7 +14,7 @@ void note(int) { was_interrupted = 1; }
 void catch_interrupts() {
   struct sigaction action = {};
   action.sa_handler = note;
-  action.sa_flags = SA_RESETHAND;
+  action.sa_flags = SA_RESETHAND | SA_RESTART;  // what is being written is written
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

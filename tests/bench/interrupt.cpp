@@ -1,4 +1,7 @@
 /* Ctrl-C: what there is gets written, whole lines, and the exit code says so. */
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+
 #include <chrono>
 #include <thread>
 
@@ -23,6 +26,36 @@ void an_interrupted_run_leaves_whole_files(void **) {
   char name[64];
   std::snprintf(name, sizeof name, "/d/positions_%06d.npy", std::stoi(last));
   assert_true(std::filesystem::exists(folder + name));
+}
+
+// Of the whole rows that have been written when the pipe is full.
+void an_interrupt_while_a_reader_is_slow_tears_no_row(void **) {
+  const std::string folder = work_folder("slow");
+  skip_unless_available(folder, "reference");
+  assert_int_equal(mkfifo((folder + "/t.csv").c_str(), 0600), 0);
+  const int reader = open((folder + "/t.csv").c_str(), O_RDONLY | O_NONBLOCK);
+  assert_true(reader >= 0 && fcntl(reader, F_SETFL, 0) == 0);
+  const pid_t child =
+      start_program(folder, {"run", "--scene", "dam-break-2d", "--particles", "50", "--backend",
+                             "reference", "--steps", "4000000000", "--csv", "t.csv"});
+  int there = 0, before = -1;
+  for (int k = 0; k < 600 && (there == 0 || there != before); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    before = there;
+    assert_int_equal(ioctl(reader, FIONREAD, &there), 0);
+  }
+  assert_int_equal(kill(child, SIGINT), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::string csv;
+  char chunk[4096];
+  for (ssize_t count; (count = read(reader, chunk, sizeof chunk)) > 0;)
+    csv.append(chunk, static_cast<size_t>(count));
+  close(reader);
+  int status = 0;
+  assert_int_equal(waitpid(child, &status, 0), child);
+  assert_true(WIFEXITED(status));
+  assert_int_equal(WEXITSTATUS(status), 130);
+  assert_int_equal(csv.back(), '\n');
 }
 
 void an_interrupted_record_can_be_replayed(void **) {
@@ -57,6 +90,7 @@ void an_interrupted_speedup_still_prints_and_writes(void **) {
 int main() {
   const CMUnitTest tests[] = {
       cmocka_unit_test(an_interrupted_run_leaves_whole_files),
+      cmocka_unit_test(an_interrupt_while_a_reader_is_slow_tears_no_row),
       cmocka_unit_test(an_interrupted_record_can_be_replayed),
       cmocka_unit_test(an_interrupted_speedup_still_prints_and_writes),
   };
