@@ -17,7 +17,8 @@ namespace bench {
 
 // Before anything else. The file that is opened next would get the number of one that is closed,
 // and what is then printed; and a reader that goes away, or a file as large as it may become, is an
-// error like others.
+// error like others. How programs end that this one starts is not told where SIGCHLD is ignored, as
+// it may be in what has started this one.
 inline void prepare_standard_streams() {
 #ifdef F_GETFD
   for (int number = 0; number < 3; ++number)
@@ -28,6 +29,9 @@ inline void prepare_standard_streams() {
 #endif
 #ifdef SIGXFSZ
   std::signal(SIGXFSZ, SIG_IGN);
+#endif
+#ifdef SIGCHLD
+  std::signal(SIGCHLD, SIG_DFL);
 #endif
 }
 

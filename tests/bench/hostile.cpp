@@ -1,10 +1,13 @@
 /* Scenes that keep to the schema and ask for too much, or for nothing: refused, or run, in no time.
- */
+ * And a parent that lets none of its children be waited for. */
+#include <csignal>
 #include <vector>
 
 #include "bench_test.h"
 #include "core/error.h"
+#include "core/process.h"
 #include "core/solver.h"
+#include "core/standard_streams.h"
 #include "scene/scene.h"
 
 namespace {
@@ -142,6 +145,15 @@ void a_sentence_is_no_longer_than_one(void **) {
   assert_true(sentence.size() < 1000);
 }
 
+// A program inherits it, and the system then forgets how its own children end.
+void a_parent_that_ignores_its_children(void **) {
+  std::signal(SIGCHLD, SIG_IGN);
+  prepare_standard_streams();
+  const Ended ended = run_program({"sh", "-c", "exit 7"});
+  assert_string_equal(ended.reason.c_str(), "");
+  assert_int_equal(ended.code, 7);
+}
+
 }  // namespace
 
 int main() {
@@ -157,6 +169,7 @@ int main() {
       cmocka_unit_test(motion_without_end),
       cmocka_unit_test(arrays_without_end),
       cmocka_unit_test(a_sentence_is_no_longer_than_one),
+      cmocka_unit_test(a_parent_that_ignores_its_children),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
