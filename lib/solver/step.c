@@ -59,12 +59,13 @@ static pbf_status run_divided(pbf_solver *solver, uint32_t substeps, uint32_t *d
 }
 
 /* A backend runs so many of the steps at once, without a look at whether they are cancelled: by
- * their work in some 20 ms, which ranks share. */
+ * their work in some 20 ms, which ranks on CPUs share. */
 static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
   const double most_steps = 1000; /* a step of a GPU takes 20 µs however few particles there are */
   const double one = fmax(((double)solver->count + 1) * solver->params.iterations,
                           solver->work_at_once / most_steps);
-  const double most = 1 + solver->work_at_once * fmax(1, solver->ranks.count) / one;
+  const double sharers = solver->on_device ? 1 : fmax(1, solver->ranks.count);
+  const double most = 1 + solver->work_at_once * sharers / one;
   return most < steps ? (uint32_t)most : steps;
 }
 
