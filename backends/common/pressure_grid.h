@@ -409,9 +409,10 @@ static inline pbf_real pbf_pressure_grid_particle_lambda(const pbf_pressure_grid
                     (double)pressure);
 }
 
-/* The grid's pressure at x over the reference density, and its slope. */
+/* The grid's pressure around x over the reference density, and its slope: means over a cube so many
+ * cells wide. */
 static inline double pbf_pressure_grid_pressure(const pbf_pressure_grid_storage *storage,
-                                                double time_step, pbf_vec x,
+                                                double time_step, pbf_vec x, double cube,
                                                 double slope[PBF_DIM]) {
   double at[PBF_DIM];
   const uint32_t cell = pbf_pressure_grid_find(storage, x, at);
@@ -419,7 +420,7 @@ static inline double pbf_pressure_grid_pressure(const pbf_pressure_grid_storage 
   if (cell == PBF_NO_INDEX) return 0;
   const double scale = -storage->carried / (time_step * time_step);
   const double lambda = pbf_pressure_grid_lambda_sloped(&storage->grid, &storage->topology,
-                                                        storage->lambda, cell, at, slope);
+                                                        storage->lambda, cell, at, cube, slope);
   for (int k = 0; k < PBF_DIM; ++k) slope[k] *= scale;
   return scale * lambda;
 }

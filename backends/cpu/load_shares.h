@@ -230,7 +230,8 @@ static void add_grid_loads(const worker *w, const pbf_load_scales &scales, const
     share_grid_pressure_around(
         &scales, c, w->obstacles, near, grid_load_point(c, i, point),
         [&](pbf_vec x, double slope[]) {
-          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x, slope);
+          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x,
+                                            grid_load_cube(c), slope);
         },
         [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
           add_part(loads->of(plane.solid), load_part_beside(&scales, w->obstacles, x, plane, share),

@@ -335,7 +335,9 @@ static __global__ void __launch_bounds__(GRID_LOADS_BLOCK)
     share_grid_pressure_around(
         &scales, c, o,
         solids_near<LISTED>(o, x, pbf_grid_load_reach(scales.spacing) + 0.5 * scales.spacing), x,
-        [&](pbf_vec at, double slope[]) { return grid_pressure_sloped(source.grid, at, slope); },
+        [&](pbf_vec at, double slope[]) {
+          return grid_pressure_sloped(source.grid, at, grid_load_cube(c), slope);
+        },
         [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
           pbf_load_sums *to =
               plane.solid < PBF_WALLS ? &walls.of[plane.solid] : &tally->sums[plane.solid];

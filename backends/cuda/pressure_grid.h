@@ -417,17 +417,17 @@ static __device__ __forceinline__ pbf_real grid_pressure_at(const grid_pressure 
   return (pbf_real)(-d.scale * lambda);
 }
 
-/* And its slope. */
+/* And its slope: means over a cube so many cells wide. */
 static __device__ __forceinline__ double grid_pressure_sloped(const grid_pressure &d, pbf_vec x,
-                                                              double slope[PBF_DIM]) {
+                                                              double cube, double slope[PBF_DIM]) {
   double at[PBF_DIM];
   const pbf_pressure_grid_topology *t = &d.arrays.topology;
   for (int k = 0; k < PBF_DIM; ++k) slope[k] = 0;
   uint32_t cell = pbf_pressure_grid_cell(&d.grid, x, at);
   cell = pbf_compartment_of(&d.grid, t, cell, x, at);
   if (cell == PBF_NO_INDEX) return 0;
-  const double lambda =
-      pbf_pressure_grid_lambda_sloped(&d.grid, t, pressure_grid_lambda(d.arrays), cell, at, slope);
+  const double lambda = pbf_pressure_grid_lambda_sloped(&d.grid, t, pressure_grid_lambda(d.arrays),
+                                                        cell, at, cube, slope);
   for (int k = 0; k < PBF_DIM; ++k) slope[k] *= -d.scale;
   return -d.scale * lambda;
 }

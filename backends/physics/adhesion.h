@@ -82,7 +82,7 @@ PBF_FN pbf_vec adhesion_change(const pbf_constants *c, const Scales &s, const Ob
     const pbf_real adhesion = s.of[p.solid];
     if (!(adhesion > 0) || p.distance < 0) continue;
     const pbf_real pull = s.pull * p.part * pbf_adhesive_pull(c, adhesion, missing, p.distance);
-    load_share share = {{0}, {0}};
+    load_share share = {{0}, {0}, {0}};
     for (int k = 0; k < PBF_DIM; ++k) share.change[k] = -(double)(pull * p.normal.c[k]);
     change = pbf_add_scaled(change, -pull, p.normal);
     take(p, share);

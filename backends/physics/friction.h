@@ -94,7 +94,7 @@ PBF_FN pbf_vec friction_change(const pbf_constants *c, const Scales &s, const Ob
                  speed2 += along[k] * along[k];
                }
                const double part = friction_part(f, push, sqrt(speed2));
-               load_share share = {{0}, {0}};
+               load_share share = {{0}, {0}, {0}};
                for (int k = 0; k < PBF_DIM; ++k) {
                  share.change[k] = -part * along[k];
                  v[k] += share.change[k];

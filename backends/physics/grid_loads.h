@@ -3,7 +3,8 @@
  * The grid moves particles by the slope of its pressure p, wherever they are, so that what it does
  * to solids is no sum of pushes of theirs: it is the integral of p n over their surfaces. Where a
  * weight psi is 1 on a solid and 0 on all others, that is by Gauss's theorem the integral of the
- * slope of psi p over the fluid, whatever the solid's shape. psi falls from 1 to 0 between half a
+ * slope of psi p over the fluid, whatever the solid's shape; and along an axis only those others
+ * count which have a face across it. psi falls from 1 to 0 between half a
  * spacing and two and a half, so that its slope is that of a tent two spacings wide, which points a
  * spacing apart see as one together, wherever they are.
  *
@@ -86,46 +87,70 @@ PBF_FN_APART int find_grid_load_solids(const Obstacles &o, const Near &near, dou
   return kept;
 }
 
-/* The slope of psi p, psi being of the k-th of the solids. */
-PBF_FN load_share grid_load_share(const grid_load_solid *of, int count, int k, double p,
-                                  const double slope[PBF_DIM]) {
-  load_share share = {{0}, {0}};
-  double sum = 0;
-  for (int i = 0; i < count; ++i) sum += of[i].weight;
-  if (!(sum > 0)) return share;
-  const double part = of[k].weight / sum;
-  for (int i = 0; i < count; ++i) {
-    double along = of[k].fall * ((i == k) - part) / sum * of[i].weight_slope;
-    if (i == k) along += of[k].fall_slope * part;
-    for (int j = 0; j < PBF_DIM; ++j)
-      share.change[j] += p * along * (double)of[i].plane.normal.c[j];
-  }
-  for (int j = 0; j < PBF_DIM; ++j) share.change[j] += of[k].fall * part * slope[j];
-  return share;
+/* Whether a solid has a face across an axis: walls along it bear nothing that way, and take nothing
+ * from those that do where they meet in an edge. */
+PBF_FN bool is_across(const grid_load_solid &of, int axis) {
+  return of.plane.solid >= PBF_WALLS || of.plane.solid / 2 == axis;
 }
 
-/* What a solid has of a share. What a wall has along itself is another solid's, which meets it in
- * an edge, where psi goes from 1 to 0 between two points: it is noted apart. */
-PBF_FN load_share grid_load_of_solid(const load_share &of, int solid, double factor) {
-  load_share share = {{0}, {0}};
-  for (int j = 0; j < PBF_DIM; ++j)
-    (solid < PBF_WALLS && j != solid / 2 ? share.along : share.change)[j] = factor * of.change[j];
-  return share;
+/* The slope of psi p along an axis, psi being of the k-th of the solids, among those across it. */
+PBF_FN double grid_load_along(const grid_load_solid *of, int count, int k, int axis, double p,
+                              double slope) {
+  double sum = 0, change = 0;
+  if (!is_across(of[k], axis)) return 0;
+  for (int i = 0; i < count; ++i) sum += is_across(of[i], axis) ? of[i].weight : 0;
+  if (!(sum > 0)) return 0;
+  const double part = of[k].weight / sum;
+  for (int i = 0; i < count; ++i) {
+    if (!is_across(of[i], axis)) continue;
+    double along = of[k].fall * ((i == k) - part) / sum * of[i].weight_slope;
+    if (i == k) along += of[k].fall_slope * part;
+    change += p * along * (double)of[i].plane.normal.c[axis];
+  }
+  return change + of[k].fall * part * slope;
+}
+
+/* What of a cube this wide around a place so deep is below the surface. */
+PBF_FN double part_below_surface(double depth, double width) {
+  return pbf_greater(pbf_lesser(0.5 + depth / width, 1), 0);
+}
+
+/* A pressure that is 1 from two spacings below the surface on, where that of the grid is p: means
+ * over a cube this wide around the place, as p and its slope are, too. */
+PBF_FN double open_pressure(double p, const double slope[PBF_DIM], double spacing, double width,
+                            double open_slope[PBF_DIM]) {
+  double slope2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) slope2 += slope[k] * slope[k];
+  const double size = sqrt(slope2), least = 0.5 * width, whole = 2 * spacing;
+  double depth = size > 0 ? p / size : p > 0 ? whole + width : 0;
+  if (depth < least) depth += depth - least;
+  const double part = part_below_surface(depth, width) - part_below_surface(depth - whole, width);
+  for (int k = 0; k < PBF_DIM; ++k) open_slope[k] = size > 0 ? slope[k] / size * (part / whole) : 0;
+  return pbf_greater(pbf_lesser(depth / whole, 1), 0);
 }
 
 /* Calls take(plane, share) for each solid that the grid's pressure at a point x presses on, which
- * stands for so many particles; pressure(x, slope) is over the reference density. */
+ * stands for so many particles in a cube this wide; pressure(x, slope) is over the reference
+ * density. */
 template <class Obstacles, class Near, class Pressure, class Take>
 PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, const Near &near,
-                                pbf_vec x, double particles, Pressure pressure, Take take) {
+                                pbf_vec x, double width, double particles, Pressure pressure,
+                                Take take) {
   grid_load_solid of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
-  double slope[PBF_DIM];
-  const double p = pressure(x, slope), factor = -s->time_step * particles;
-  for (int k = 0; k < count; ++k)
-    take(of[k].plane,
-         grid_load_of_solid(grid_load_share(of, count, k, p, slope), of[k].plane.solid, factor));
+  double slope[PBF_DIM], open_slope[PBF_DIM];
+  const double p = pressure(x, slope);
+  const double one = open_pressure(p, slope, s->spacing, width, open_slope);
+  for (int k = 0; k < count; ++k) {
+    load_share share = {{0}, {0}, {0}};
+    for (int j = 0; j < PBF_DIM; ++j) {
+      share.change[j] = -s->time_step * particles * grid_load_along(of, count, k, j, p, slope[j]);
+      share.open[j] =
+          -s->spacing * particles * grid_load_along(of, count, k, j, one, open_slope[j]);
+    }
+    take(of[k].plane, share);
+  }
 }
 
 /* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
@@ -133,6 +158,9 @@ PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
   const double points = (PBF_DIM == 2 ? 2 : 1) * ceil(1 / c->spacing - 1e-6);
   return (int)pbf_greater(1, pbf_lesser(points, 32));
 }
+
+/* What a point stands for, in cells. */
+PBF_FN double grid_load_cube(const pbf_pressure_grid *c) { return 1.0 / grid_load_points(c); }
 
 /* What of a cube of this width around x is free of solids, 0 to 1. Moves x out of the nearest. */
 template <class Obstacles, class Near>
@@ -171,12 +199,12 @@ template <class Obstacles, class Near, class Pressure, class Take>
 PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_pressure_grid *c,
                                        const Obstacles &o, const Near &near, pbf_vec x,
                                        Pressure pressure, Take take) {
-  const double width = c->width / grid_load_points(c);
+  const double width = c->width * grid_load_cube(c);
   const double part = grid_load_free_part(o, near, width, &x);
   if (!(part > 0)) return;
   const double particles = part * (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
   share_grid_pressure(
-      s, o, near, x, particles, pressure,
+      s, o, near, x, width, particles, pressure,
       [&](const pbf_load_plane &plane, const load_share &share) { take(plane, x, share); });
 }
 

@@ -11,10 +11,13 @@
  * on both. What is left goes to each along its normal, as far as normals span it; colliders also
  * take the rest. But what walls do along themselves stands in for fluid that they cut off
  * (pbf_boundary_correction), the weight of which is on the walls across: they share it, where there
- * are any that the fluid is at. What is then left of the whole goes to all, in proportion to what
- * each has got along the axis in all: as if all pressures were larger by one part. So the sum over
- * all solids is the momentum that the fluid has lost, whatever errors the parts have. A body in the
- * fluid, pressed from all sides, has got no more than its lift.
+ * are any that the fluid is at. What is then left of the whole is that of a pressure grid, the
+ * pressure of which ends some tenths of a spacing above or below where the fluid does. It goes to
+ * all as one pressure at all depths would: to a floor by its area, to a body that floats by the
+ * area that it cuts out of the surface, upwards, and to one that is pressed from all sides not at
+ * all. Where that does not tell, as across, it goes in proportion to what each has got along the
+ * axis in all. So the sum over all solids is the momentum that the fluid has lost, whatever errors
+ * the parts have.
  *
  * Sums are of integers: their order, and with it threads, changes no bit. */
 #ifndef PBF_PHYSICS_LOADS_H
@@ -60,7 +63,8 @@ enum {
   PBF_LOAD_WET = 6,    /* particles of a wet layer */
   PBF_LOAD_PLACE = 7,  /* their places before the solid's position */
   PBF_LOAD_ALONG = 10, /* what a wall changes along itself, which is not in its change */
-  PBF_LOAD_SUMS = 13
+  PBF_LOAD_OPEN = 13,  /* what a pressure of one at all depths would change */
+  PBF_LOAD_SUMS = 16
 };
 
 typedef struct pbf_load_sums {
@@ -128,6 +132,7 @@ PBF_FN void pbf_load_units(double units_of_velocity, double lever, double units[
     units[PBF_LOAD_TURN + k] = units_of_velocity / lever;
     units[PBF_LOAD_PLACE + k] = 0x1p59 / lever;
     units[PBF_LOAD_ALONG + k] = units_of_velocity;
+    units[PBF_LOAD_OPEN + k] = 0x1p54;
   }
   units[PBF_LOAD_WET] = 0x1p59;
 }
@@ -299,9 +304,10 @@ PBF_FN_SELDOM pbf_load_plane nearest_load_plane(const pbf_constants *c, const Ob
   return nearest;
 }
 
-/* A plane's part in a push; of a wall, what it does along itself apart. */
+/* A plane's part in a push; of a wall, what it does along itself apart. And its part in what one
+ * pressure everywhere would do, in faces of a particle. */
 struct load_share {
-  double change[PBF_DIM], along[PBF_DIM];
+  double change[PBF_DIM], along[PBF_DIM], open[PBF_DIM];
 };
 
 /* Of the particle's push so far as it is not by lambda, `left` being the solution for it;
@@ -317,6 +323,7 @@ PBF_FN load_share load_share_of_plane(const pbf_load_plane &p, double weight, do
     share.change[k] = (by_lambda + weight * (1 + load_across()) * normal) * n;
     share.change[k] += p.solid < PBF_WALLS ? 0 : along;
     share.along[k] = p.solid < PBF_WALLS ? along : 0;
+    share.open[k] = 0;
   }
   return share;
 }
@@ -332,7 +339,7 @@ PBF_FN load_share with_mass(load_share share, pbf_real mobility) {
 
 /* All of a push. */
 PBF_FN load_share load_share_of_all(const double push[PBF_DIM]) {
-  load_share share = {{0}, {0}};
+  load_share share = {{0}, {0}, {0}};
   for (int k = 0; k < PBF_DIM; ++k) share.change[k] = push[k];
   return share;
 }
@@ -414,6 +421,7 @@ PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_
     const bool is_wall = p.solid < PBF_WALLS;
     u[k] = share.change[k];
     number[PBF_LOAD_ALONG + k] = share.along[k];
+    number[PBF_LOAD_OPEN + k] = share.open[k];
     r[k] = (double)x.c[k] - (is_wall ? 0 : (double)o.surfaces[p.solid - PBF_WALLS].center.c[k]);
   }
   number[PBF_LOAD_WET] = wet_part(s, p.distance);
@@ -449,7 +457,8 @@ PBF_FN void add_part(pbf_load_sums *to, const load_part &part, bool counts) {
 /* ---- The end of a step ---------------------------------------------------------------------- */
 
 /* What is left of the whole along an axis, in units, and by which of their sums solids share it:
- * what they have got, or how much of them is wet where none has got anything. */
+ * what they have got, or how much of them is wet where none has got anything, in proportion to its
+ * size; or by what one pressure would do to each, with its sign. */
 typedef struct load_rest {
   double change, sum;
   int by;
@@ -482,10 +491,16 @@ PBF_FN load_rest load_rest_of(const Tally *t, int solids, int axis, double chang
   return rest;
 }
 
-/* What walls share, and then what all do. */
+/* What walls share, and then what all do: by what one pressure would do, and by what they got. */
 struct load_rests {
-  load_rest walls[3], all[3];
+  load_rest walls[3], open[3], all[3];
 };
+
+/* How far a pressure is told by what is left: wholly where fluid has a surface that it is known to
+ * be 0 at, and not at all across, where it presses on both sides alike. */
+PBF_FN double load_open_part(double net, double size) {
+  return size > 0 ? net * net / (net * net + 0.01 * size * size) : 0;
+}
 
 /* Along axis k. */
 template <class Tally>
@@ -494,10 +509,13 @@ PBF_FN void find_load_rests(const Tally *t, int k, load_rests *rests) {
   const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
   const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
   const bool are_walls_across = load_size_over(t, PBF_WALLS, PBF_LOAD_CHANGE + k) > 0;
+  const double net = load_sum_over(t, solids, PBF_LOAD_OPEN + k);
+  const double open = load_open_part(net, load_size_over(t, solids, PBF_LOAD_OPEN + k));
   double rest = pbf_wide_value(t->change[k]) - known;
   if (!are_walls_across) rest += along;
   rests->walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
-  rests->all[k] = load_rest_of(t, solids, k, rest);
+  rests->open[k] = {open * rest, net, PBF_LOAD_OPEN + k};
+  rests->all[k] = load_rest_of(t, solids, k, (1 - open) * rest);
 }
 
 template <class Tally>
@@ -511,6 +529,11 @@ PBF_FN double load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
   return rest.sum > 0 ? rest.change * (fabs(pbf_wide_value(sums->of[rest.by])) / rest.sum) : 0;
 }
 
+PBF_FN double open_load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
+  const bool has = rest.sum < 0 || rest.sum > 0;
+  return has ? rest.change * (pbf_wide_value(sums->of[rest.by]) / rest.sum) : 0;
+}
+
 /* A solid's load from its sums. */
 PBF_FN void find_load(const pbf_load_sums *sums, const load_rests &rests, bool is_wall,
                       const pbf_load_scales *s, double lever, pbf_collider_load *load) {
@@ -518,7 +541,7 @@ PBF_FN void find_load(const pbf_load_sums *sums, const load_rests &rests, bool i
   pbf_load_units(s->velocity, lever, units);
   for (int k = 0; k < PBF_LOAD_SUMS; ++k) number[k] = pbf_wide_value(sums->of[k]) / units[k];
   for (int k = 0; k < 3; ++k) {
-    rest[k] = load_share_of(rests.all[k], sums);
+    rest[k] = load_share_of(rests.all[k], sums) + open_load_share_of(rests.open[k], sums);
     if (is_wall) rest[k] += load_share_of(rests.walls[k], sums);
     rest[k] /= s->velocity;
     place[k] = number[PBF_LOAD_WET] > 0 ? number[PBF_LOAD_PLACE + k] / number[PBF_LOAD_WET] : 0;

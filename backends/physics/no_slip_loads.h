@@ -21,7 +21,7 @@ PBF_FN void share_no_slip(const pbf_constants *c, const Obstacles &o, const NoSl
     const int solid =
         p.surface < 0 ? -1 - p.surface : PBF_WALLS + pbf_surface_number(o.surfaces, p.surface);
     const pbf_load_plane plane = {solid, p.distance, 0, 1, p.normal};
-    load_share share = {{0}, {0}};
+    load_share share = {{0}, {0}, {0}};
     for (int k = 0; k < PBF_DIM; ++k)
       share.change[k] = -(double)(part * p.rate) * (double)along.c[k];
     take(plane, share);

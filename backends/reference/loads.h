@@ -121,7 +121,8 @@ static inline void find_grid_loads(solver *s, const pbf_load_scales &scales,
       share_grid_pressure_around(
           &scales, c, *o, all_surfaces{}, grid_load_point(c, i, point),
           [&](pbf_vec x, double slope[]) {
-            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x, slope);
+            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x,
+                                              grid_load_cube(c), slope);
           },
           [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
             add_part(&s->load_tally->sums[plane.solid],

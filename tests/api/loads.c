@@ -277,6 +277,33 @@ static void check_ball(uint32_t precision) {
   load_end(&s);
 }
 
+static const double crate = 12 * 0.05, crate_bottom = 21 * 0.05;
+
+static int outside_crate(const double x[3]) {
+  return fabs(x[0] - 1) > crate / 2 || x[1] < crate_bottom;
+}
+
+/* A box that is held three spacings deep, with a quarter of its height. That the fluid ends some
+ * tenths of a spacing below where the grid's pressure does lifts it by nothing. */
+static void check_crate(uint32_t precision) {
+  const double domain[3] = {2, 2.64, 1}, size[3] = {2, 1.2, 1};
+  pbf_params params = load_params(2, domain);
+  params.pressure_grid = 2;
+  params.time_step = 1.0 / 85;
+  pbf_collider body = load_collider(PBF_COLLIDER_BOX, 1, crate_bottom + crate / 2, 0);
+  for (int k = 0; k < 2; ++k) body.half_extents[k] = crate / 2;
+  load_scene s = load_scene_of(2, precision, &params, size, outside_crate, 1, &body);
+  pbf_collider_load load;
+  const double below = crate * (1.2 - crate_bottom);
+  assert_ok(pbf_step(s.solver, 140));
+  load_colliders(&s, 1, &load);
+  assert_ok(pbf_step(s.solver, 100));
+  load_colliders(&s, 1, &load);
+  print_message("a crate: lift %.4f\n", force(&load, 1) / (load_gravity * below));
+  check_near("a crate's lift", force(&load, 1), load_gravity * below, 0.04);
+  load_end(&s);
+}
+
 /* A plate a spacing thick lies on another one: that has no water at it. */
 static void check_covered(uint32_t precision) {
   const double domain[3] = {0.4, 3, 1}, size[3] = {0.4, 1.5, 1};
@@ -307,6 +334,7 @@ static void check_rafts(uint32_t dimension, uint32_t precision) {
     return;
   }
   check_covered(precision);
+  check_crate(precision);
   check_raft(precision, 0.35, 1.0 / 60);
   check_raft(precision, 0, 1.0 / 30);
 }

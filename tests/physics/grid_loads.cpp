@@ -3,30 +3,36 @@
 #include "solids.h"
 
 #include "physics/grid_loads.h"
+#include "physics/pressure_grid/particles.h"
 
 enum { WALLS = PBF_WALLS };
 
 static const double spacing = 0.05, width = 16 * 0.05, high = 24 * 0.05, gravity = 9.81;
 
-/* Of every solid, over the reference density and a time of one; `along` of walls. */
+/* Of every solid, over the reference density and a time of one. `open` is what a pressure of one
+ * does to it, as an area. */
 typedef struct all_loads {
-  double force[WALLS + 1][PBF_DIM], along[PBF_DIM];
+  double force[WALLS + 1][PBF_DIM], open[WALLS + 1][PBF_DIM];
 } all_loads;
 
 static pbf_pressure_grid grid_between(const pbf_params *params, const pbf_domain *domain) {
   return pbf_pressure_grid_between(params, domain, 0, 1 << 20);
 }
 
-/* Water up to `high`, with no pressure above. */
-static double pressure_of_water(pbf_vec x, double slope[]) {
-  for (int k = 0; k < PBF_DIM; ++k) slope[k] = 0;
-  if (x.c[1] > high) return 0;
-  slope[1] = -gravity;
-  return gravity * (high - x.c[1]);
+/* Lambda of water up to a level, which goes on above it, at the nodes of a grid. */
+static double *lambda_of_water(const pbf_pressure_grid *c, double level) {
+  double *lambda = static_cast<double *>(calloc(c->nodes, sizeof *lambda));
+  assert_non_null(lambda);
+  for (uint32_t node = 0; node < c->nodes; ++node) {
+    int i[PBF_DIM];
+    pbf_pressure_grid_place(c, node, i);
+    lambda[node] = gravity * (c->lower[1] + (i[1] - 1) * c->width - level) / (c->width * c->width);
+  }
+  return lambda;
 }
 
 /* In a tank twice as high. */
-static all_loads loads_of(int count, const pbf_surface *surfaces) {
+static all_loads loads_of(double level, int count, const pbf_surface *surfaces) {
   const pbf_domain domain = {.lower = point(0, 0, 0), .upper = point(width, 2 * high, width)};
   pbf_params params = test_params(0);
   params.spacing = spacing;
@@ -39,7 +45,17 @@ static all_loads loads_of(int count, const pbf_surface *surfaces) {
   s.spacing = spacing;
   s.mass = 1;
   s.time_step = 1;
-  all_loads all = {{{0}}, {0}};
+  all_loads all = {{{0}}, {{0}}};
+  const pbf_pressure_grid_topology whole = {};
+  double *lambda = lambda_of_water(&c, level);
+  const auto pressure_of_water = [&](pbf_vec x, double slope[]) {
+    double at[PBF_DIM];
+    const uint32_t cell = pbf_pressure_grid_cell(&c, x, at);
+    const double p =
+        -pbf_pressure_grid_lambda_sloped(&c, &whole, lambda, cell, at, grid_load_cube(&c), slope);
+    for (int k = 0; k < PBF_DIM; ++k) slope[k] = -slope[k];
+    return p;
+  };
   int points = 1;
   for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(&c);
   for (uint32_t cell = 0; cell < c.nodes; ++cell) {
@@ -52,7 +68,7 @@ static all_loads loads_of(int count, const pbf_surface *surfaces) {
           [&](const pbf_load_plane &plane, pbf_vec, const load_share &share) {
             for (int k = 0; k < PBF_DIM; ++k) {
               all.force[plane.solid][k] -= share.change[k];
-              all.along[k] -= share.along[k];
+              all.open[plane.solid][k] -= share.open[k] / spacing;
             }
           });
   }
@@ -61,15 +77,46 @@ static all_loads loads_of(int count, const pbf_surface *surfaces) {
 
 static double floor_area(void) { return PBF_DIM == 3 ? width * width : width; }
 
-/* What edges of the floor take from it is told beside: it is what walls have along themselves. */
+/* To its edges, and wherever the surface is between the points. */
 static void a_floor_bears_the_water(void **state) {
   (void)state;
-  const all_loads all = loads_of(0, NULL);
-  const double weight = gravity * high * floor_area();
-  assert_near(-all.force[2][1] - all.along[1], weight, (PBF_DIM == 3 ? 0.02 : 0.002) * weight);
-  const double side = 0.5 * gravity * high * high * (PBF_DIM == 3 ? width : 1);
-  assert_near(all.force[1][0], side, 0.03 * side);
-  assert_near(all.force[0][0], -side, 0.03 * side);
+  for (int n = 0; n < 5; ++n) {
+    const double level = high + 0.23 * n * spacing;
+    const all_loads all = loads_of(level, 0, NULL);
+    const double weight = gravity * level * floor_area();
+    assert_near(-all.force[2][1], weight, 0.001 * weight);
+    const double side = 0.5 * gravity * level * level * (PBF_DIM == 3 ? width : 1);
+    assert_near(all.force[1][0], side, 0.01 * side);
+    assert_near(all.force[0][0], -side, 0.01 * side);
+    assert_near(-all.open[2][1], floor_area(), 0.01 * floor_area());
+  }
+}
+
+/* A box three spacings deep in the water has the lift of what is below the surface, and one
+ * pressure everywhere would lift it by its area: in 3D, by points a spacing apart, on average. */
+static void a_box_that_floats_is_lifted(void **state) {
+  (void)state;
+  const double half = 4 * spacing, area = PBF_DIM == 3 ? 4 * half * half : 2 * half;
+  const double lift = gravity * 3 * spacing * area, bar = PBF_DIM == 3 ? 0.12 : 0.01;
+  double lifts = 0, opens = 0;
+  enum { LEVELS = 10 };
+  for (int n = 0; n < LEVELS; ++n) {
+    const double level = high + n * spacing / LEVELS;
+    pbf_collider box = collider(PBF_COLLIDER_BOX);
+    for (int k = 0; k < PBF_DIM; ++k) {
+      box.half_extents[k] = half;
+      box.position[k] = k == 1 ? level + half - 3 * spacing : 0.5 * width;
+    }
+    const pbf_surface surface = surface_at(&box, 0, 1);
+    const all_loads all = loads_of(level, 1, &surface);
+    assert_near(all.force[WALLS][1], lift, bar * lift);
+    assert_near(all.open[WALLS][1], area, bar * area);
+    lifts += all.force[WALLS][1] / LEVELS;
+    opens += all.open[WALLS][1] / LEVELS;
+  }
+  print_message("a box: %.4f of its lift, %.4f of its area\n", lifts / lift, opens / area);
+  assert_near(lifts, lift, 0.01 * lift);
+  assert_near(opens, area, 0.01 * area);
 }
 
 /* Wherever it is between the points: those of 3D, a spacing apart, see a round surface within some
@@ -88,9 +135,10 @@ static void a_ball_is_lifted_by_its_volume(void **state) {
       ball.position[k] =
           (k == 1 ? 0.5 * high : 0.5 * width) + spacing * (next_random(&random) - 0.5);
     const pbf_surface surface = surface_at(&ball, 0, 1);
-    const all_loads all = loads_of(1, &surface);
+    const all_loads all = loads_of(high, 1, &surface);
     assert_near(all.force[WALLS][1], lift, (PBF_DIM == 3 ? 0.08 : 0.025) * lift);
     assert_near(all.force[WALLS][0], 0, (PBF_DIM == 3 ? 0.08 : 0.025) * lift);
+    assert_near(all.open[WALLS][1], 0, 0.08 * radius * (PBF_DIM == 3 ? radius : 1));
     sum += all.force[WALLS][1];
   }
   assert_near(sum / BALLS, lift, (PBF_DIM == 3 ? 0.02 : 0.01) * lift);
@@ -98,6 +146,7 @@ static void a_ball_is_lifted_by_its_volume(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_floor_bears_the_water),
+                                     cmocka_unit_test(a_box_that_floats_is_lifted),
                                      cmocka_unit_test(a_ball_is_lifted_by_its_volume)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
