@@ -63,15 +63,28 @@ struct executor : launcher {
     run(PBF_STAGE_NEIGHBORS, [&] {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
       if (s->phase) launch(phase_kernel, n.particles, n.constants.phases);
-      if (notes_pushes(s))
-        launch(begin_push_kernel, state_of(s), prediction_inputs.forces, scratch_of(s), n.particles,
-               pbf_units_of_momentum(&n.constants, &prediction_inputs.forces), s->push,
-               changes_of_all(s));
+      if (notes_pushes(s)) begin_pushes();
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
     });
     return true; /* a particle whose list has no room walks the cells */
+  }
+
+  /* What solids push with in the prediction, of what the sort has made of these. */
+  void begin_push(const unsorted_particles &from, const sort_scratch &scratch) {
+    if (from.count)
+      launch_early(s, begin_push_kernel, blocks_for(from.count), PBF_BLOCK, 0, from,
+                   prediction_inputs.forces, scratch, n.particles,
+                   pbf_units_of_momentum(&n.constants, &prediction_inputs.forces), s->push,
+                   changes_of_all(s));
+  }
+
+  void begin_pushes() {
+    const unsorted_particles own = state_of(s);
+    if (!has_ranks(s)) return begin_push(own, scratch_of(s));
+    begin_push(own, rank_scratch_of(s, 0));
+    begin_push(inbox_of(s, own, s->ranks.report->plan.received), rank_scratch_of(s, own.count));
   }
 
   /* Until the first move nothing reads the old state: where particles have come from takes the
@@ -295,14 +308,15 @@ struct executor : launcher {
     run(PBF_STAGE_MOVE, [&] {
       const push_noting noting = {extras, n.constants.h, (pbf_real)pbf_per_time_step(&s->params),
                                   place.first};
-      if (notes_pushes(s))
-        with_features(s->schedule.features, [&](auto features) {
-          with_lists(s, [&](auto listed) {
-            launch(push_before_kernel<decltype(features)::value, decltype(listed)::value>, n,
-                   noting, s->velocities, s->push);
-          });
-        });
       in_parts([&](const neighborhood &part) {
+        if (notes_pushes(s))
+          with_features(s->schedule.features, [&](auto features) {
+            with_lists(s, [&](auto listed) {
+              launch_of(part,
+                        push_before_kernel<decltype(features)::value, decltype(listed)::value>,
+                        noting, s->velocities, s->push);
+            });
+          });
         if (ghosts)
           with_features(s->schedule.features, [&](auto features) {
             typedef move_pass_of<fixed<decltype(features)::value>, SCALED_PAIRS> pass;
@@ -312,11 +326,12 @@ struct executor : launcher {
                     {place, (pbf_real)pbf_per_time_step(&s->params),
                      s->schedule.collide_in_iteration, s->schedule.collide_after_solve,
                      s->velocities, ghost_moves, boundary_sums_of(s, moved)});
+        if (notes_pushes(s))
+          with_lists(s, [&](auto listed) {
+            launch_of(part, push_after_kernel<decltype(listed)::value>, noting, s->velocities,
+                      s->push);
+          });
       });
-      if (notes_pushes(s))
-        with_lists(s, [&](auto listed) {
-          launch(push_after_kernel<decltype(listed)::value>, n, noting, s->velocities, s->push);
-        });
     });
     swap_arrays(&n.particles.points, &moved);
     moves_later = true;
@@ -447,14 +462,19 @@ struct executor : launcher {
                tally_for<LISTED>(s));
       });
     });
+    moves_later = true;
   }
 
   template <bool LISTED>
   void launch_grid_loads(const pbf_load_scales &scales) {
     const pressure_source source = present_pressures(s);
     if (!source.grid.arrays.control) return;
-    grid_loads_kernel<LISTED><<<source.grid.grid.nodes, GRID_LOADS_BLOCK, 0, s->stream>>>(
-        extras.obstacles, scales, source, extras.rest.all, tally_for<LISTED>(s));
+    load_cells cells = {0, 1};
+    if (has_ranks(s)) cells = {s->ranks.rank, s->ranks.count};
+    if (cells.first >= source.grid.grid.nodes) return;
+    const uint32_t blocks = (source.grid.grid.nodes - cells.first - 1) / cells.step + 1;
+    grid_loads_kernel<LISTED><<<blocks, GRID_LOADS_BLOCK, 0, s->stream>>>(
+        extras.obstacles, scales, cells, source, extras.rest.all, tally_for<LISTED>(s));
   }
 
   void loads() {
@@ -467,6 +487,8 @@ struct executor : launcher {
         launch(loads_kernel<LISTED>, n, extras.obstacles, scales, present_pressures(s), s->activity,
                extras.rest.all, s->velocities, s->push, tally_for<LISTED>(s));
       });
+      if (has_ranks(s)) status = add_loads_of_ranks(s);
+      if (status != PBF_OK) return;
       launch_end_loads(s, extras.obstacles, scales, extras.rest.all);
     });
   }

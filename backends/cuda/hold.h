@@ -133,7 +133,7 @@ static inline bool grow_rooms(solver *s) {
   pbf_status status = PBF_OK;
   if (cells > r->cell_room) status = take_cells(s, cells + cells / 16);
   if (status == PBF_OK && halo > r->halo_room)
-    status = take_room(s, halo + halo / 8, r->index_room);
+    status = take_room(s, halo + halo / 8, r->index_room, r->number_room);
   if (!on_all_ranks(s, status == PBF_OK)) {
     refuse_on_ranks(s, PBF_ERROR_OUT_OF_MEMORY,
                     "a rank has no memory for the particles near its own; more ranks would do");
@@ -318,6 +318,20 @@ static inline pbf_status exchange_on_ranks(solver *s, const rank_field &first,
     exchange_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, fields);
   });
   return r->failed ? r->failed : pbf_cuda_check_launch("exchange_kernel");
+}
+
+/* Adds up what lies on each rank's device. */
+static inline pbf_status add_numbers_of_ranks(solver *s, rank_numbers numbers) {
+  const rank_state *r = &s->ranks;
+  uint32_t blocks = blocks_for(numbers.first_count + numbers.rest_count);
+  if (blocks > RANK_EXCHANGE_BLOCKS) blocks = RANK_EXCHANGE_BLOCKS;
+  if (r->count == 1) return PBF_OK;
+  numbers.at = rank_numbers_begin(r->count, r->halo_room, r->index_room);
+  numbers.room = r->number_room;
+  meet_ranks(s, [&](const rank_place &place) {
+    add_numbers_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(place, numbers);
+  });
+  return r->failed ? r->failed : pbf_cuda_check_launch("add_numbers_kernel");
 }
 
 #endif

@@ -72,6 +72,14 @@ struct launcher {
     if (own_count(n)) launch_early(s, kernel, blocks_for(own_count(n)), PBF_BLOCK, 0, arguments...);
   }
 
+  /* Of these particles. */
+  template <class... Parameters, class... Arguments>
+  void launch_of(const neighborhood &part, void (*kernel)(Parameters...),
+                 const Arguments &...arguments) {
+    if (own_count(part))
+      launch_early(s, kernel, blocks_for(own_count(part)), PBF_BLOCK, 0, part, arguments...);
+  }
+
   /* Those that a rank holds of others, too; without ranks, all. */
   sorted_particles held() const {
     sorted_particles all = n.particles;

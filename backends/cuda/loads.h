@@ -49,13 +49,15 @@ static __device__ __forceinline__ bool is_near_solid(const Obstacles &o, pbf_vec
   return false;
 }
 
-/* In the prediction, once particles are sorted; the sort's scratch is as it was. */
+/* In the prediction, once particles are sorted; the sort's scratch is as it was. Others' particles
+ * that a rank holds have one, too, which is not its own to count. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     begin_push_kernel(unsorted_particles from, pbf_forces forces, sort_scratch scratch,
                       sorted_particles to, double units, pbf_vec *push, pbf_wide_sum *changes) {
   const uint32_t i = thread_index();
   pbf_vec forced = {{0}};
-  if (i < from.count) {
+  bool counts = false;
+  if (i < from.count && scratch.cell[i] != PBF_NO_CELL) {
     const uint32_t cell = scratch.cell[i], id = from.ids[i];
     uint32_t place = to.cell_start[cell];
     for (uint32_t k = to.cell_start[cell]; k < to.cell_start[cell + 1]; ++k)
@@ -68,8 +70,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                  : pbf_apply_forces(&forces, position_of(load(from.points, i)), from.velocities[i]);
     push[place] = pbf_sub(v, forced);
     if (to.mobility) forced = pbf_scaled(forced, 1 / to.mobility[place]);
+    counts = place - to.first < to.count - to.first;
   }
-  if (changes) add_changes(changes, -units, forced, i < from.count);
+  if (changes) add_changes(changes, -units, forced, counts);
 }
 
 /* What an iteration is to be noted by. */
@@ -315,15 +318,19 @@ static __device__ __forceinline__ void end_wall_sums(const wall_sums *walls, pbf
 
 enum { GRID_LOADS_BLOCK = 64 };
 
-/* What the pressure grid does: a block a cell. */
+/* What the pressure grid does: a block a cell, on ranks of every so many of them. */
+struct load_cells {
+  uint32_t first, step;
+};
+
 template <bool LISTED>
 static __global__ void __launch_bounds__(GRID_LOADS_BLOCK)
     grid_loads_kernel(const __grid_constant__ step_obstacles o, pbf_load_scales scales,
-                      pressure_source source, const uint32_t *all_asleep,
+                      load_cells cells, pressure_source source, const uint32_t *all_asleep,
                       load_tally_asked<LISTED> *tally) {
   __shared__ wall_sums walls;
   const pbf_pressure_grid *c = &source.grid.grid;
-  const uint32_t cell = blockIdx.x;
+  const uint32_t cell = cells.first + blockIdx.x * cells.step;
   int i[PBF_DIM], points = 1;
   if (PBF_SLEEP && all_asleep && *all_asleep) return;
   pbf_pressure_grid_place(c, cell, i);
@@ -513,6 +520,15 @@ static inline adhesion_asked<LISTED> adhesion_for(const solver *s,
             beside_surfaces<pbf_real>(surfaces, s->many.layout.adhesion)};
   else
     return few_adhesion_scales_of(scales, s->collider_count);
+}
+
+/* What the particles of all ranks have added to the tally. */
+static inline pbf_status add_loads_of_ranks(solver *s) {
+  const uint32_t solids = PBF_WALLS + s->collider_count;
+  void *rest = are_listed(s) ? s->many.loads + 1 : static_cast<void *>(s->load_tally->sums);
+  return add_numbers_of_ranks(s, {reinterpret_cast<unsigned long long *>(changes_of_all(s)),
+                                  static_cast<unsigned long long *>(rest), CHANGES_OF_ALL,
+                                  solids * SUMS_OF_SOLID, SUMS_OF_SOLID, 0, 0});
 }
 
 static inline void launch_end_loads(solver *s, const step_obstacles &o,

@@ -17,10 +17,6 @@ static inline const char *refusal_on_ranks(const solver *s, const pbf_params *pa
     return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
   if (params->periodic)
     return "params.periodic is not 0: ranks do not know their neighbours across the domain's faces";
-  if (params->loads)
-    return "params.loads is 1: ranks do not know what others' particles do to solids; 0 is without";
-  if (schedule.runs[PBF_STAGE_FRICTION])
-    return "walls or colliders have friction, which ranks do not share; 0 is without";
   if (schedule.checks_convergence)
     return "params.tolerance is not 0: ranks of \"cuda\" do not know when others' solve has ended; "
            "0 is without";

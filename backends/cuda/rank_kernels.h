@@ -36,6 +36,18 @@ static __device__ __forceinline__ void tell_ranks(const rank_place &p) {
       store_release_of_system(rank_arrivals(p.control->rooms[r]) + p.rank, p.sequence);
 }
 
+/* The same by a kernel of more blocks: the last one tells. */
+static __device__ __forceinline__ void tell_ranks_at_last(const rank_place &p) {
+  __shared__ bool is_last;
+  __threadfence_system();
+  __syncthreads();
+  if (threadIdx.x == 0) is_last = atomicAdd(&p.control->arrived, 1u) == gridDim.x - 1;
+  __syncthreads();
+  if (!is_last) return;
+  if (threadIdx.x == 0) p.control->arrived = 0;
+  tell_ranks(p);
+}
+
 /* Waits until all have come as far. After a minute it gives up, and so do all that wait later. */
 static __device__ __forceinline__ void await_ranks(const rank_place &p) {
   const unsigned long long patience = 60ull * 1000 * 1000 * 1000, begin = nanoseconds();
@@ -274,9 +286,8 @@ static __device__ __forceinline__ uint32_t *word_of(const rank_field &f, const r
   return f.base + (uint64_t)(place - all.held_first + all.pad) * f.stride + word;
 }
 
-/* Gives the others what they hold of this rank's particles. The last block tells them. */
+/* Gives the others what they hold of this rank's particles. */
 static __device__ __forceinline__ void give_fields(const rank_place &p, const rank_fields &f) {
-  __shared__ bool is_last;
   rank_control *c = p.control;
   const rank_share mine = c->plan.shares[p.rank];
   for (uint32_t r = 0; r < p.count; ++r) {
@@ -293,13 +304,7 @@ static __device__ __forceinline__ void give_fields(const rank_place &p, const ra
       to += (uint64_t)halo_count(its) * field.words;
     }
   }
-  __threadfence_system();
-  __syncthreads();
-  if (threadIdx.x == 0) is_last = atomicAdd(&c->arrived, 1u) == gridDim.x - 1;
-  __syncthreads();
-  if (!is_last) return;
-  if (threadIdx.x == 0) c->arrived = 0;
-  tell_ranks(p);
+  tell_ranks_at_last(p);
 }
 
 /* Takes what it holds of theirs. */
@@ -323,6 +328,46 @@ static __global__ void __launch_bounds__(PBF_BLOCK) exchange_kernel(rank_place p
   if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
   take_fields(p, f);
+}
+
+/* ---- Sums ------------------------------------------------------------------------------------ */
+
+/* Numbers of each rank that are added up: integers, in any order. Of the rest, in runs of `period`,
+ * the last one is the largest instead. */
+struct rank_numbers {
+  unsigned long long *first, *rest;
+  uint32_t first_count, rest_count, period;
+  uint64_t at, room; /* in a rank's room; of each rank's numbers */
+};
+
+/* All ranks get the sums, each in place of its own numbers. A thread gives and takes the same ones.
+ */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    add_numbers_kernel(rank_place p, rank_numbers n) {
+  const uint32_t begin = thread_index(), each = gridDim.x * blockDim.x,
+                 count = n.first_count + n.rest_count;
+  auto number = [&](uint32_t k) {
+    return k < n.first_count ? n.first + k : n.rest + (k - n.first_count);
+  };
+  auto in_room = [&](uint32_t of, uint32_t from) {
+    return reinterpret_cast<unsigned long long *>(p.control->rooms[of] + n.at) + from * n.room;
+  };
+  if (p.phases & RANK_GIVES) {
+    for (uint32_t r = 0; r < p.count; ++r)
+      for (uint32_t k = begin; k < count; k += each) in_room(r, p.rank)[k] = *number(k);
+    tell_ranks_at_last(p);
+  }
+  if (!(p.phases & RANK_TAKES)) return;
+  await_ranks(p);
+  for (uint32_t k = begin; k < count; k += each) {
+    const bool largest = k >= n.first_count && (k - n.first_count + 1) % n.period == 0;
+    unsigned long long all = 0;
+    for (uint32_t r = 0; r < p.count; ++r) {
+      const unsigned long long its = __ldcv(in_room(p.rank, r) + k);
+      all = largest ? max(all, its) : all + its;
+    }
+    *number(k) = all;
+  }
 }
 
 /* ---- A pressure grid ------------------------------------------------------------------------- */

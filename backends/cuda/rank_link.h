@@ -257,26 +257,39 @@ static inline bool agree_on_step(solver *s, const pbf_step_times &times, uint32_
 
 /* ---- Memory -------------------------------------------------------------------------------- */
 
-static inline pbf_status take_room(solver *s, uint32_t halo, uint64_t indices) {
+static inline pbf_status take_room(solver *s, uint32_t halo, uint64_t indices, uint64_t numbers) {
   rank_state *r = &s->ranks;
   void *room = nullptr;
   if (pbf_status status = pbf_cuda_take(&s->memory, "exchanged with ranks",
-                                        rank_room_bytes(r->count, halo, indices), &room))
+                                        rank_room_bytes(r->count, halo, indices, numbers), &room))
     return status;
   pbf_cuda_free(&s->memory, r->room);
   r->room = static_cast<char *>(room);
   r->halo_room = halo;
   r->index_room = indices;
+  r->number_room = numbers;
   r->changed = true;
   return PBF_OK;
 }
 
-/* For the sums and places of a pressure grid's cells, where there can be one. */
+/* What is summed up of loads: of all solids, and then of each. */
+enum {
+  CHANGES_OF_ALL = offsetof(pbf_few_load_tally, sums) / sizeof(unsigned long long),
+  SUMS_OF_SOLID = sizeof(pbf_load_sums) / sizeof(unsigned long long)
+};
+static_assert(offsetof(pbf_load_sums, depth) == (SUMS_OF_SOLID - 1) * sizeof(unsigned long long),
+              "of ranks' depths the largest counts");
+
+/* For the sums and places of a pressure grid's cells, where there can be one, and for loads. */
 static inline pbf_status keep_rank_sums(solver *s) {
   const uint64_t indices =
       s->pressure_grid_memory ? pbf_pressure_grid_max_nodes(s->scene_capacity) : 0;
-  if (!has_ranks(s) || indices == s->ranks.index_room) return PBF_OK;
-  return take_room(s, s->ranks.halo_room, indices);
+  uint64_t solids = PBF_FEW_SOLIDS;
+  if (are_many(s->many)) solids = PBF_WALLS + (uint64_t)s->many.table.room;
+  const uint64_t numbers = s->load_tally ? CHANGES_OF_ALL + solids * SUMS_OF_SOLID : 0;
+  if (!has_ranks(s) || (indices == s->ranks.index_room && numbers == s->ranks.number_room))
+    return PBF_OK;
+  return take_room(s, s->ranks.halo_room, indices, numbers);
 }
 
 static inline pbf_status take_cells(solver *s, uint32_t cells) {
@@ -314,7 +327,7 @@ static inline pbf_status take_ranks(solver *s) {
     if (pbf_status status = pbf_cuda_check(cudaEventCreateWithFlags(event, cudaEventDisableTiming),
                                            "cudaEventCreate"))
       return status;
-  return take_room(s, 0, 0);
+  return take_room(s, 0, 0, 0);
 }
 
 static inline void free_ranks(solver *s) {

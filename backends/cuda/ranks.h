@@ -85,9 +85,15 @@ static inline __host__ __device__ uint32_t *rank_further(char *room, uint32_t ra
   return reinterpret_cast<uint32_t *>(rank_sums(room, ranks, halo) + 2 * indices);
 }
 
-static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t indices) {
+/* Behind all of that, numbers that are summed up: `numbers` of each rank, which it writes there. */
+static inline uint64_t rank_numbers_begin(uint32_t ranks, uint32_t halo, uint64_t indices) {
   return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) +
-         indices * (2 * sizeof(unsigned long long) + sizeof(uint32_t));
+         indices * 2 * sizeof(unsigned long long) + (indices + indices % 2) * sizeof(uint32_t);
+}
+
+static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t indices,
+                                       uint64_t numbers) {
+  return rank_numbers_begin(ranks, halo, indices) + ranks * numbers * sizeof(unsigned long long);
 }
 
 /* Particles that a rank gets, in the room of its lists: a field after another. */
@@ -140,7 +146,8 @@ struct rank_state {
   rank_report *device_report;
   char *room;
   uint32_t halo_room, cell_room; /* as on all ranks, … */
-  uint64_t index_room;           /* … as is this: indices of a pressure grid */
+  uint64_t index_room;           /* … as are these: indices of a pressure grid, … */
+  uint64_t number_room;          /* … and numbers that are summed up */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
   uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */

@@ -6,17 +6,18 @@
 
 #include "thread_ranks.h"
 
-enum { COUNT = 3000, STEPS = 12 };
+enum { COUNT = 3000, STEPS = 12, COLLIDERS = 2, MAX_SOLIDS = 6 + COLLIDERS };
 
 /* A scene, and what one solver makes of it. */
 typedef struct scene {
   uint32_t dimension, precision;
   pbf_params params;
-  int comes_and_goes; /* particles, between steps */
-  int has_plate;      /* that divides the fluid, and a ball */
+  int comes_and_goes;            /* particles, between steps */
+  void (*set_up)(pbf_solver *s); /* before there are particles; null: no */
   uint64_t hash;
   pbf_stats stats;
   void *densities;
+  pbf_collider_load loads[MAX_SOLIDS]; /* of walls, and then of colliders, if they are wanted */
   uint64_t hashes_seen[MAX_THREAD_RANKS];
 } scene;
 
@@ -67,7 +68,7 @@ static void fill(const scene *c, pbf_solver *s, uint32_t count, double shift) {
 
 /* Thin for a cell of a pressure grid; the ball moves into the fluid. */
 static void set_plate(pbf_solver *s) {
-  pbf_collider list[2];
+  pbf_collider list[COLLIDERS];
   EXPECT_OK(pbf_collider_init(&list[0], sizeof list[0], PBF_COLLIDER_BOX));
   EXPECT_OK(pbf_collider_init(&list[1], sizeof list[1], PBF_COLLIDER_SPHERE));
   for (int k = 0; k < 3; ++k) list[0].position[k] = 0.35, list[0].half_extents[k] = 0.4;
@@ -75,11 +76,23 @@ static void set_plate(pbf_solver *s) {
   list[1].position[0] = 0.9, list[1].position[1] = 0.3, list[1].position[2] = 0.3;
   list[1].radius = 0.12;
   list[1].velocity[0] = -1;
-  EXPECT_OK(pbf_set_colliders(s, 2, list));
+  for (int k = 0; k < COLLIDERS; ++k) list[k].friction = 0.4, list[k].static_friction = 0.6;
+  list[0].no_slip = 0.5;
+  EXPECT_OK(pbf_set_colliders(s, COLLIDERS, list));
+}
+
+static void weigh(const scene *c, pbf_solver *s, pbf_collider_load loads[MAX_SOLIDS]) {
+  uint32_t colliders = 0;
+  memset(loads, 0, MAX_SOLIDS * sizeof *loads);
+  if (!c->params.loads) return;
+  EXPECT_OK(pbf_get_collider_count(s, &colliders));
+  for (uint32_t k = 0; k < MAX_SOLIDS; ++k) loads[k].struct_size = sizeof loads[k];
+  EXPECT_OK(pbf_get_wall_loads(s, 2 * c->dimension, loads));
+  EXPECT_OK(pbf_get_collider_loads(s, colliders, loads + 6));
 }
 
 static void run_scene(const scene *c, pbf_solver *s) {
-  if (c->has_plate) set_plate(s);
+  if (c->set_up) c->set_up(s);
   fill(c, s, COUNT, 0);
   EXPECT_OK(pbf_step(s, STEPS / 2));
   if (c->comes_and_goes) {
@@ -108,6 +121,7 @@ static void run_alone(scene *c) {
   run_scene(c, s);
   assert_int_equal(ranks_failures(), 0);
   c->hash = test_hash(s);
+  weigh(c, s, c->loads);
   c->stats = (pbf_stats){.struct_size = sizeof c->stats};
   assert_ok(pbf_get_stats(s, &c->stats));
   c->densities = calloc(count_of(s), c->precision);
@@ -143,6 +157,9 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   EXPECT_OK(pbf_get_stats(s, &stats));
   expect_same_stats(&stats, &c->stats);
+  pbf_collider_load loads[MAX_SOLIDS];
+  weigh(c, s, loads);
+  EXPECT(memcmp(loads, c->loads, sizeof loads) == 0);
   EXPECT_OK(pbf_get_densities(s, 0, count, values));
   EXPECT(memcmp(values, c->densities, (size_t)count * c->precision) == 0);
   free(values);
@@ -207,7 +224,7 @@ static void check_grids(uint32_t dimension, uint32_t precision) {
   c.comes_and_goes = 1;
   expect_grid(&c);
   check("a pressure grid", &c);
-  c.has_plate = 1;
+  c.set_up = set_plate;
   check("a pressure grid that a plate divides", &c);
   c = scene_of(dimension, precision);
   c.params.pressure_grid = -1;
@@ -218,6 +235,25 @@ static void check_grids(uint32_t dimension, uint32_t precision) {
   c.params.time_step = 1.0 / 60;
   expect_grid(&c);
   check("deep water", &c);
+}
+
+/* What a plate and a ball do to the fluid along themselves is told to them, too. */
+static void check_loads(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.set_up = set_plate;
+  c.params.wall_friction = 0.3;
+  c.params.pressure_grid = 0;
+  check("friction", &c);
+  c.params.loads = 1;
+  c.params.pressure_grid = 2;
+  c.params.viscosity = 0.002;
+  c.params.wall_no_slip = 1;
+  check("loads", &c);
+}
+
+static void so_are_loads_and_friction(void **state) {
+  (void)state;
+  test_for_each_kind(check_loads);
 }
 
 static void so_are_pressure_grids(void **state) {
@@ -328,6 +364,7 @@ int main(void) {
       cmocka_unit_test_setup(a_dam_break_is_the_same, count_devices),
       cmocka_unit_test(so_are_all_stages),
       cmocka_unit_test(so_are_pressure_grids),
+      cmocka_unit_test(so_are_loads_and_friction),
       cmocka_unit_test(so_are_mirrors_and_sparse_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
