@@ -113,7 +113,7 @@ static pbf_status apply_params(solver *s, const pbf_params *params, uint32_t cou
   pbf_schedule schedule =
       pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
                       s->most_left, s->overlaps, &s->phases);
-  if (const char *why = refusal_on_ranks(s, params, schedule)) {
+  if (const char *why = refusal_on_ranks(s, params)) {
     s->host->set_error(why);
     return PBF_ERROR_UNSUPPORTED;
   }

@@ -149,7 +149,7 @@ struct executor : launcher {
 
   void begin_solve() {
     if (status != PBF_OK || !s->schedule.checks_convergence) return;
-    extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, s->count),
+    extras.watch = {s->watch, (long long)pbf_error_units_limit(&s->params, particles_of_all(s)),
                     pbf_inactive_error_units(&s->params), 0};
     if (PBF_SLEEP && s->activity) {
       clear_convergence_kernel<<<1, 1, 0, s->stream>>>(s->watch, s->tally);
@@ -290,7 +290,19 @@ struct executor : launcher {
                        boundary_sums_of(s, moved)});
       });
       if (s->phase) launch(end_mobility_kernel, n, extras, smooths, s->mobility_around);
+      if (has_ranks(s) && extras.watch.watch) status = add_errors_of_ranks();
     });
+  }
+
+  /* Of this iteration: all ranks end the solve in the same one. Where a rank has no particles no
+   * kernel clears the sum. */
+  pbf_status add_errors_of_ranks() {
+    unsigned long long *sum = &s->watch->error_units[extras.watch.iteration % 2];
+    if (!own_count(n))
+      if (pbf_status failed =
+              pbf_cuda_check(cudaMemsetAsync(sum, 0, sizeof *sum, s->stream), "cudaMemsetAsync"))
+        return failed;
+    return add_numbers_of_ranks(s, {sum, nullptr, 1, 0, 1, 0, 0});
   }
 
   void torque_deficit(uint32_t) {

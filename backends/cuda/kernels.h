@@ -207,7 +207,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
       if (i < n.particles.count) store(moved, i, own);
       return;
     }
-    last = ends(extras.watch, last, i);
+    last = ends(extras.watch, last, i - n.particles.first);
   }
   pbf_real activity = SLEEP ? extras.rest.activity[min(i, n.particles.count - 1)] : 0;
   bool asleep = SLEEP && pbf_is_asleep(activity);

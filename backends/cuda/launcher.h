@@ -162,7 +162,8 @@ struct launcher {
   void part_edges() {
     const rank_state &r = s->ranks;
     in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last && !r.careful &&
-                   !s->schedule.runs[PBF_STAGE_TORQUE] && !s->clock.begin;
+                   !s->schedule.runs[PBF_STAGE_TORQUE] && !s->schedule.checks_convergence &&
+                   !s->clock.begin;
     turn = 0;
     if (in_two_parts) status = record(r.inner_done, s->stream);
     if (in_two_parts && status == PBF_OK) status = record(r.edges_done[1], s->stream);

@@ -10,16 +10,12 @@
 /* ---- Refusals ------------------------------------------------------------------------------ */
 
 /* Null: ranks do all of it. */
-static inline const char *refusal_on_ranks(const solver *s, const pbf_params *params,
-                                           const pbf_schedule &schedule) {
+static inline const char *refusal_on_ranks(const solver *s, const pbf_params *params) {
   if (!has_ranks(s)) return nullptr;
   if (params->sleep_speed > 0)
     return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
   if (params->periodic)
     return "params.periodic is not 0: ranks do not know their neighbours across the domain's faces";
-  if (schedule.checks_convergence)
-    return "params.tolerance is not 0: ranks of \"cuda\" do not know when others' solve has ended; "
-           "0 is without";
   return nullptr;
 }
 

@@ -280,13 +280,15 @@ enum {
 static_assert(offsetof(pbf_load_sums, depth) == (SUMS_OF_SOLID - 1) * sizeof(unsigned long long),
               "of ranks' depths the largest counts");
 
-/* For the sums and places of a pressure grid's cells, where there can be one, and for loads. */
+/* For the sums and places of a pressure grid's cells, where there can be one, for loads, and for
+ * a solve's error. */
 static inline pbf_status keep_rank_sums(solver *s) {
   const uint64_t indices =
       s->pressure_grid_memory ? pbf_pressure_grid_max_nodes(s->scene_capacity) : 0;
   uint64_t solids = PBF_FEW_SOLIDS;
   if (are_many(s->many)) solids = PBF_WALLS + (uint64_t)s->many.table.room;
-  const uint64_t numbers = s->load_tally ? CHANGES_OF_ALL + solids * SUMS_OF_SOLID : 0;
+  uint64_t numbers = s->watch ? 1 : 0;
+  if (s->load_tally) numbers = CHANGES_OF_ALL + solids * SUMS_OF_SOLID;
   if (!has_ranks(s) || (indices == s->ranks.index_room && numbers == s->ranks.number_room))
     return PBF_OK;
   return take_room(s, s->ranks.halo_room, indices, numbers);

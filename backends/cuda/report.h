@@ -46,6 +46,15 @@ static inline bool merge_of_ranks(solver *s, partial_stats *sum) {
   return true;
 }
 
+/* Where a rank has no particles, no kernel has noted when the solve ended. */
+static inline bool most_iterations_of_ranks(solver *s, uint32_t *iterations) {
+  uint32_t all[RANKS_OF_CUDA];
+  if (!gather_on_ranks(s, iterations, all, sizeof *iterations)) return false;
+  for (uint32_t k = 0; k < s->ranks.count; ++k)
+    *iterations = all[k] > *iterations ? all[k] : *iterations;
+  return true;
+}
+
 static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   stats->count = particles_of_all(s);
   stats->iterations = s->params.iterations;
@@ -53,6 +62,8 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
     if (pbf_status status =
             copy_out(s, &stats->iterations, &s->watch->done, sizeof stats->iterations))
       return status;
+  if (s->watch && has_ranks(s) && !most_iterations_of_ranks(s, &stats->iterations))
+    return end_on_ranks(s);
   if (!stats->count) return PBF_OK;
   if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
   iteration_extras extras;
