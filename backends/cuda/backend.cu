@@ -62,7 +62,7 @@ static uint64_t list_storage_bytes(const solver *s, const pbf_params *params, ui
        {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
         small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
         small ? (unsigned long long)world_list_room(s, params) : 0ull,
-        has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, true, true) +
+        has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, {true, true, true}) +
                                             rank_scratch_bytes(s->capacity))
                      : 0ull})
     largest = other > largest ? other : largest;
@@ -656,10 +656,10 @@ static pbf_status any_of_ranks(pbf_backend_solver *handle, uint32_t mine, uint32
   return end_on_ranks(s);
 }
 
-/* That it works on ranks: pbf_backend_desc.ranks; how worlds of a batch step together; the caller's
- * memory on the device; and how many colliders it takes. */
+/* That it works on ranks, with phases: pbf_backend_desc.ranks; how worlds of a batch step together;
+ * the caller's memory on the device; and how many colliders it takes. */
 static const void *get_extension(const char *name) {
-  static const uint32_t works = 1;
+  static const uint32_t works = 2;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
   static const pbf_backend_ranks_tell tell = {sizeof(pbf_backend_ranks_tell), 0, any_of_ranks};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;

@@ -62,7 +62,7 @@ struct executor : launcher {
   bool find_neighbors() {
     run(PBF_STAGE_NEIGHBORS, [&] {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
-      if (s->phase) launch(phase_kernel, n.particles, n.constants.phases);
+      if (s->phase) launch_held(phase_kernel, n.constants.phases);
       if (notes_pushes(s)) begin_pushes();
       launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
@@ -276,20 +276,20 @@ struct executor : launcher {
     run(PBF_STAGE_LAMBDA, [&] {
       const bool in_steps = s->schedule.runs[PBF_STAGE_RESIDUAL_DENSITY];
       const bool smooths = place.last && s->last_pressure;
-      if (s->phase)
-        with_kernel(s->schedule.features, [&](auto features) {
-          launch(begin_mobility_kernel<decltype(features)::value>, n, extras, place.first,
-                 s->mobility_around);
-        });
       in_parts([&](const neighborhood &part) {
+        if (s->phase)
+          with_kernel(s->schedule.features, [&](auto features) {
+            launch_of(part, begin_mobility_kernel<decltype(features)::value>, extras, place.first,
+                      s->mobility_around);
+          });
         with_kernel(s->schedule.features,
                     [&](auto features) { sum_ghosts_of_lambda<decltype(features)::value>(part); });
         launch_lambda(s, part, extras,
                       {place.first, smooths && !s->phase,
                        in_steps ? s->residual_density : n.particles.overlap, ghosts,
                        boundary_sums_of(s, moved)});
+        if (s->phase) launch_of(part, end_mobility_kernel, extras, smooths, s->mobility_around);
       });
-      if (s->phase) launch(end_mobility_kernel, n, extras, smooths, s->mobility_around);
       if (has_ranks(s) && extras.watch.watch) status = add_errors_of_ranks();
     });
   }

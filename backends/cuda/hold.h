@@ -147,23 +147,23 @@ static inline bool grow_rooms(solver *s) {
 /* Behind the inbox, in the room of the lists: cells, arrivals, ids. */
 static inline sort_scratch rank_scratch_of(const solver *s, uint32_t from) {
   const uint64_t n = s->capacity;
-  uint32_t *room =
-      reinterpret_cast<uint32_t *>(static_cast<char *>(s->list_storage) +
-                                   rank_inbox_bytes(s->capacity, s->last_pressure, s->overlap));
+  uint32_t *room = reinterpret_cast<uint32_t *>(
+      static_cast<char *>(s->list_storage) + rank_inbox_bytes(s->capacity, inbox_has(state_of(s))));
   return {room + from, room + 2 * n + from, room + 4 * n};
 }
 
 /* Laid out as by send_particles_kernel, which is given the same of `own` on each rank. */
 static inline unsorted_particles inbox_of(const solver *s, const unsorted_particles &own,
                                           uint32_t count) {
-  const rank_inbox in = rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity,
-                                      own.last_pressure != nullptr, own.overlap != nullptr);
+  const rank_inbox in =
+      rank_inbox_in(static_cast<char *>(s->list_storage), s->capacity, inbox_has(own));
   unsorted_particles from = own;
   from.points = in.points;
   from.velocities = in.velocities;
   from.ids = in.ids;
   from.last_pressure = in.last_pressure;
   from.overlap = in.overlap;
+  from.phase = in.phase;
   from.count = count;
   return from;
 }
@@ -289,6 +289,11 @@ static inline rank_field lambda_field(point *points) {
 
 static inline rank_field place_field(point *points) {
   return rank_field_of(points, PBF_DIM, sizeof(point) / sizeof(pbf_real));
+}
+
+/* With what is beside a place. */
+static inline rank_field numbered_field(point *points) {
+  return rank_field_of(points, PBF_DIM + 1, sizeof(point) / sizeof(pbf_real));
 }
 
 static inline rank_field vector_field(pbf_vec *vectors) {

@@ -123,8 +123,9 @@ struct launcher {
         return vector_field(s->velocities);
       case FIELD_MEAN_VELOCITY:
       case FIELD_CORRECTION_RATE:
-      case FIELD_SHEAR_PUSH:
         return place_field(s->other);
+      case FIELD_SHEAR_PUSH: /* where phases differ with masses */
+        return s->phase ? numbered_field(s->other) : place_field(s->other);
       case FIELD_CURL_SIZE:
         return rank_field_of(curl_sizes(), 1, 1);
       case FIELD_MISSING:
@@ -132,7 +133,7 @@ struct launcher {
       case FIELD_DEVIATOR:
         return rank_field_of(s->deviators, PBF_DEVIATOR_DIM, PBF_DEVIATOR_DIM);
       case FIELD_CROWDING: /* with the starts, which have taken the state's place */
-        return rank_field_of(s->points, PBF_DIM + 1, sizeof(point) / sizeof(pbf_real));
+        return numbered_field(s->points);
       case FIELD_VISCOUS_CHANGE:
         return vector_field(changes);
       default:

@@ -46,13 +46,15 @@ static inline pbf_status settle_state(solver *s) {
     void *to;
     const void *from;
     uint64_t bytes;
-  } copies[] = {{s->other, s->points + first, n * sizeof *s->points},
-                {s->other_velocities, s->velocities + first, n * sizeof *s->velocities},
-                {s->other_ids, s->ids + first, n * sizeof *s->ids},
-                {s->other_last_pressure, s->last_pressure ? s->last_pressure + first : nullptr,
-                 s->last_pressure ? n * sizeof *s->last_pressure : 0},
-                {s->other_overlap, s->overlap ? s->overlap + first : nullptr,
-                 s->overlap ? n * sizeof *s->overlap : 0}};
+  } copies[] = {
+      {s->other, s->points + first, n * sizeof *s->points},
+      {s->other_velocities, s->velocities + first, n * sizeof *s->velocities},
+      {s->other_ids, s->ids + first, n * sizeof *s->ids},
+      {s->other_last_pressure, s->last_pressure ? s->last_pressure + first : nullptr,
+       s->last_pressure ? n * sizeof *s->last_pressure : 0},
+      {s->other_overlap, s->overlap ? s->overlap + first : nullptr,
+       s->overlap ? n * sizeof *s->overlap : 0},
+      {s->other_phase, s->phase ? s->phase + first : nullptr, s->phase ? n * sizeof *s->phase : 0}};
   for (const auto &copy : copies)
     if (copy.bytes)
       if (pbf_status status = pbf_cuda_check(
@@ -64,6 +66,7 @@ static inline pbf_status settle_state(solver *s) {
   swap_arrays(&s->ids, &s->other_ids);
   swap_arrays(&s->last_pressure, &s->other_last_pressure);
   swap_arrays(&s->overlap, &s->other_overlap);
+  swap_arrays(&s->phase, &s->other_phase);
   s->first = 0;
   return PBF_OK;
 }
@@ -126,7 +129,8 @@ static inline pbf_rows part_of_rows(const pbf_rows *rows, uint32_t first, uint32
 static inline pbf_status write_on_ranks(solver *s, uint32_t field, const pbf_rows *rows,
                                         const void *in) {
   const bool is_vector = field == PBF_FIELD_POSITION || field == PBF_FIELD_VELOCITY;
-  const uint64_t row_bytes = (is_vector ? PBF_DIM : 1) * sizeof(pbf_real);
+  uint64_t row_bytes = (is_vector ? PBF_DIM : 1) * sizeof(pbf_real);
+  if (field == PBF_BACKEND_FIELD_PHASE) row_bytes = 1;
   const uint32_t what[3] = {field, rows->first, rows->count};
   s->ranks.particles = digest(s->ranks.particles, what, sizeof what);
   s->ranks.particles = digest(s->ranks.particles, in, rows->count * row_bytes);

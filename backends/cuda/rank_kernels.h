@@ -191,6 +191,10 @@ static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
   if (r == 0) *static_cast<volatile unsigned long long *>(&p.report->plan.sequence) = p.sequence;
 }
 
+static inline __host__ __device__ rank_inbox_has inbox_has(const unsorted_particles &of) {
+  return {of.last_pressure != nullptr, of.overlap != nullptr, of.phase != nullptr};
+}
+
 /* Puts each particle where a rank holds it. Cells of those that this rank does not hold get to be
  * PBF_NO_CELL. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -216,13 +220,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     slot = __shfl_sync(~0u, slot, 0) + plan->inbox_first[r] +
            (uint32_t)__popc(lanes & ((1u << lane) - 1));
     if (!holds) continue;
-    const rank_inbox to = rank_inbox_in(c->inboxes[r], capacity, from.last_pressure != nullptr,
-                                        from.overlap != nullptr);
+    const rank_inbox to = rank_inbox_in(c->inboxes[r], capacity, inbox_has(from));
     store(to.points, slot, load(from.points, i));
     to.velocities[slot] = from.velocities[i];
     to.ids[slot] = from.ids[i];
     if (to.last_pressure) to.last_pressure[slot] = from.last_pressure[i];
     if (to.overlap) to.overlap[slot] = from.overlap[i];
+    if (to.phase) to.phase[slot] = from.phase[i];
   }
 }
 

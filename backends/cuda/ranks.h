@@ -101,27 +101,34 @@ struct rank_inbox {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
-  pbf_real *last_pressure, *overlap; /* null: none */
+  pbf_real *last_pressure, *overlap; /* null: none, … */
+  uint8_t *phase;                    /* … as here */
+};
+
+/* Which of these there are. */
+struct rank_inbox_has {
+  bool last_pressure, overlap, phase;
 };
 
 /* The capacity is a multiple of RANK_GROUP. */
-static inline __host__ __device__ uint64_t rank_inbox_bytes(uint32_t capacity, bool pressure,
-                                                            bool overlap) {
-  const uint64_t numbers = (uint64_t)pressure + overlap;
-  return capacity *
-         (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) + numbers * sizeof(pbf_real));
+static inline uint64_t rank_inbox_bytes(uint32_t capacity, const rank_inbox_has &has) {
+  const uint64_t numbers = (uint64_t)has.last_pressure + has.overlap;
+  return capacity * (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) +
+                     numbers * sizeof(pbf_real) + (uint64_t)has.phase);
 }
 
 static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t capacity,
-                                                           bool pressure, bool overlap) {
+                                                           const rank_inbox_has &has) {
   rank_inbox in;
   in.points = reinterpret_cast<point *>(at);
   in.velocities = reinterpret_cast<pbf_vec *>(in.points + capacity);
   in.last_pressure = reinterpret_cast<pbf_real *>(in.velocities + capacity);
-  in.overlap = in.last_pressure + (pressure ? capacity : 0);
-  in.ids = reinterpret_cast<uint32_t *>(in.overlap + (overlap ? capacity : 0));
-  if (!pressure) in.last_pressure = nullptr;
-  if (!overlap) in.overlap = nullptr;
+  in.overlap = in.last_pressure + (has.last_pressure ? capacity : 0);
+  in.ids = reinterpret_cast<uint32_t *>(in.overlap + (has.overlap ? capacity : 0));
+  in.phase = reinterpret_cast<uint8_t *>(in.ids + capacity);
+  if (!has.last_pressure) in.last_pressure = nullptr;
+  if (!has.overlap) in.overlap = nullptr;
+  if (!has.phase) in.phase = nullptr;
   return in;
 }
 

@@ -195,7 +195,7 @@ static inline unsorted_particles state_of(const solver *s) {
           s->last_pressure ? s->last_pressure + s->first : nullptr,
           s->overlap ? s->overlap + s->first : nullptr,
           s->constants.overlap_decay,
-          s->phase};
+          s->phase ? s->phase + s->first : nullptr};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {

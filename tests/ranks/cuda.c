@@ -2,6 +2,7 @@
  * share one; what they do not have they refuse, in words. */
 #include "support.h"
 
+#include <pbf/phases.h>
 #include <stdio.h>
 
 #include "thread_ranks.h"
@@ -14,6 +15,7 @@ typedef struct scene {
   pbf_params params;
   int comes_and_goes;            /* particles, between steps */
   void (*set_up)(pbf_solver *s); /* before there are particles; null: no */
+  uint32_t phases;               /* particles are of by turns, once they are set; 0: none */
   uint64_t hash;
   pbf_stats stats;
   void *densities;
@@ -81,6 +83,23 @@ static void set_plate(pbf_solver *s) {
   EXPECT_OK(pbf_set_colliders(s, COLLIDERS, list));
 }
 
+enum { PHASES = 3 };
+
+static void set_fluids(pbf_solver *s) {
+  pbf_phase phases[PHASES];
+  for (uint32_t k = 0; k < PHASES; ++k) EXPECT_OK(pbf_phase_init(&phases[k], sizeof phases[k]));
+  phases[1].rest_density = 0.6;
+  phases[1].viscosity = 0.5;
+  phases[2].rest_density = 3;
+  EXPECT_OK(pbf_set_phases(s, PHASES, phases));
+}
+
+static void set_particle_phases(const scene *c, pbf_solver *s) {
+  uint32_t phases[COUNT];
+  for (uint32_t i = 0; i < COUNT; ++i) phases[i] = i / 7 % c->phases;
+  EXPECT_OK(pbf_set_particle_phases(s, 0, COUNT, phases));
+}
+
 static void weigh(const scene *c, pbf_solver *s, pbf_collider_load loads[MAX_SOLIDS]) {
   uint32_t colliders = 0;
   memset(loads, 0, MAX_SOLIDS * sizeof *loads);
@@ -94,6 +113,7 @@ static void weigh(const scene *c, pbf_solver *s, pbf_collider_load loads[MAX_SOL
 static void run_scene(const scene *c, pbf_solver *s) {
   if (c->set_up) c->set_up(s);
   fill(c, s, COUNT, 0);
+  if (c->phases) set_particle_phases(c, s);
   EXPECT_OK(pbf_step(s, STEPS / 2));
   if (c->comes_and_goes) {
     uint32_t ids[40];
@@ -261,6 +281,25 @@ static void so_are_loads_and_friction(void **state) {
   test_for_each_kind(check_loads);
 }
 
+/* Of which others' particles are, too, and stages that know of mass. */
+static void check_fluids(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.set_up = set_fluids;
+  c.phases = PHASES;
+  c.comes_and_goes = 1;
+  c.params.loads = 1;
+  c.params.wall_friction = 0.3;
+  c.params.viscosity = 0.002;
+  c.params.damping_compensation = 1;
+  c.params.angular_momentum_correction = 1;
+  check("phases", &c);
+}
+
+static void so_are_fluids(void **state) {
+  (void)state;
+  test_for_each_kind(check_fluids);
+}
+
 static void so_are_pressure_grids(void **state) {
   (void)state;
   test_for_each_kind(check_grids);
@@ -370,6 +409,7 @@ int main(void) {
       cmocka_unit_test(so_are_all_stages),
       cmocka_unit_test(so_are_pressure_grids),
       cmocka_unit_test(so_are_loads_and_friction),
+      cmocka_unit_test(so_are_fluids),
       cmocka_unit_test(so_are_mirrors_and_sparse_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
