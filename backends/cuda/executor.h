@@ -580,7 +580,7 @@ struct executor : launcher {
   /* The grid's part of lambda is added where pressures are asked for. */
   void end() {
     if (status != PBF_OK || !prediction_inputs.periods.any) return;
-    launch(inside_kernel, prediction_inputs.periods, s->count, s->points);
+    launch(inside_kernel, prediction_inputs.periods, own_count(n), s->points + n.particles.first);
     status = pbf_cuda_check_launch("inside_kernel");
   }
 };

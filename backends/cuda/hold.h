@@ -34,12 +34,13 @@ enum { STEPS_OF_NEW = 6 };
 /* ---- Which particles ----------------------------------------------------------------------- */
 
 /* How far apart the numbers of cells of neighbours can be; all of them where the numbering wraps.
- */
+ * Along a periodic axis neighbours are at both ends, too: along the last one that is all. */
 static inline uint64_t cells_in_reach(const cell_grid &g) {
   uint64_t rows = 0;
   if (g.row_mask != ~0u || g.turn > 0) return g.count;
-  for (int k = 1; k < PBF_DIM; ++k) rows += g.stride[k];
-  return rows * g.cells[0] + g.columns_in_reach;
+  for (int k = 1; k < PBF_DIM; ++k)
+    rows += (uint64_t)g.stride[k] * (g.period.c[k] > 0 ? g.cells[k] - 1 : 1);
+  return rows * g.cells[0] + (g.period.c[0] > 0 ? g.cells[0] - 1 : g.columns_in_reach);
 }
 
 static inline rank_cut rank_cut_of(const solver *s, const cell_grid &grid) {

@@ -14,8 +14,6 @@ static inline const char *refusal_on_ranks(const solver *s, const pbf_params *pa
   if (!has_ranks(s)) return nullptr;
   if (params->sleep_speed > 0)
     return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
-  if (params->periodic)
-    return "params.periodic is not 0: ranks do not know their neighbours across the domain's faces";
   return nullptr;
 }
 

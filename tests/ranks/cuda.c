@@ -300,6 +300,27 @@ static void so_are_fluids(void **state) {
   test_for_each_kind(check_fluids);
 }
 
+/* Across which ranks are, and are not, cut. */
+static void check_periodic(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.params.gravity[0] = -30; /* across the face */
+  c.params.periodic = PBF_PERIODIC_X;
+  c.params.shear_stress_correction = 0.7;
+  c.comes_and_goes = 1;
+  check("a periodic axis", &c);
+  c.params.periodic = PBF_PERIODIC_X | PBF_PERIODIC_Y;
+  c.params.loads = 1;
+  check("two of them", &c);
+  if (dimension == 2) return;
+  c.params.periodic = PBF_PERIODIC_Z;
+  check("the last axis", &c);
+}
+
+static void so_are_periodic_axes(void **state) {
+  (void)state;
+  test_for_each_kind(check_periodic);
+}
+
 static void so_are_pressure_grids(void **state) {
   (void)state;
   test_for_each_kind(check_grids);
@@ -345,13 +366,13 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
 
 static void refuse(const pbf_ranks *ranks, void *context) {
   scene *c = context;
-  pbf_params turns = c->params;
+  pbf_params sleeps = c->params;
   const pbf_desc desc = desc_of(c);
   pbf_solver *s = NULL;
   float pressure;
-  turns.periodic = PBF_PERIODIC_X;
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &turns, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.periodic is not 0");
+  sleeps.sleep_speed = sleeps.sleep_time = 0.1;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
+               "params.sleep_speed is not 0");
   if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
   fill(c, s, COUNT, 0);
   EXPECT_FAILS(pbf_get_pressures(s, 0, 1, &pressure), PBF_ERROR_UNSUPPORTED, "on ranks");
@@ -410,6 +431,7 @@ int main(void) {
       cmocka_unit_test(so_are_pressure_grids),
       cmocka_unit_test(so_are_loads_and_friction),
       cmocka_unit_test(so_are_fluids),
+      cmocka_unit_test(so_are_periodic_axes),
       cmocka_unit_test(so_are_mirrors_and_sparse_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
