@@ -47,6 +47,7 @@ struct executor : launcher {
   using launcher::launcher;
 
   bool wake() {
+    if (has_ranks(s)) ++s->epoch; /* the device's word is of this step */
     status =
         wake_near_moving(s, moving_obstacles_at(s, time - s->params.time_step), extras.obstacles);
     return true; /* the device alone knows whether all sleep: its kernels then do nothing */
@@ -64,7 +65,7 @@ struct executor : launcher {
       status = launch_sort(s, state_of(s), n, prediction_inputs);
       if (s->phase) launch_held(phase_kernel, n.constants.phases);
       if (notes_pushes(s)) begin_pushes();
-      launch_lists(s, n);
+      if (status == PBF_OK) status = launch_lists(s, n);
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
     });
@@ -556,7 +557,8 @@ struct executor : launcher {
   template <class Pass>
   void over_particles(pbf_stage stage) {
     run(stage, [&] {
-      launch(particles_kernel<Pass>, Pass::of(&s->params), own_count(n), s->activity,
+      launch(particles_kernel<Pass>, Pass::of(&s->params), own_count(n),
+             s->activity ? s->activity + n.particles.first : nullptr,
              s->velocities + n.particles.first);
     });
   }
@@ -565,16 +567,33 @@ struct executor : launcher {
   bool update_sleep() {
     uint8_t *room = reinterpret_cast<uint8_t *>(s->other);
     const sleep_marks marks = {room, room + s->capacity};
+    const uint32_t first = n.particles.first;
     run(PBF_STAGE_SLEEP, [&] {
+      if (has_ranks(s)) status = begin_marks_on_ranks(marks);
+      if (status != PBF_OK) return;
       with_kernel(s->schedule.features, [&](auto features) {
         launch(activity_kernel<decltype(features)::value>, n, s->velocities, s->sleep, s->activity,
                s->tally, marks);
       });
       launch(wake_neighbors_kernel, n, s->tally, marks);
-      launch(update_sleep_kernel, s->count, s->sleep, s->activity, s->velocities, s->tally, marks,
-             s->all_asleep, s->epoch);
+      if (has_ranks(s)) status = exchange_notes(s, s->activity, marks.awakened);
+      if (status != PBF_OK) return;
+      const sleep_marks own = {marks.wakes_neighbors + first, marks.awakened + first};
+      launch(update_sleep_kernel, own_count(n), s->sleep, s->activity + first,
+             s->velocities + first, s->tally, own, s->all_asleep, s->epoch);
     });
     return false; /* the device tells the host: all_asleep */
+  }
+
+  /* Of others' particles none is marked yet; and those of other ranks may sleep where none of its
+   * own does. */
+  pbf_status begin_marks_on_ranks(const sleep_marks &marks) {
+    if (pbf_status failed = pbf_cuda_check(
+            cudaMemsetAsync(marks.awakened, 0, s->ranks.held, s->stream), "cudaMemsetAsync"))
+      return failed;
+    return pbf_cuda_check(cudaMemsetAsync(&s->tally->near_sleep_count, 1,
+                                          sizeof s->tally->near_sleep_count, s->stream),
+                          "cudaMemsetAsync");
   }
 
   /* The grid's part of lambda is added where pressures are asked for. */
@@ -591,14 +610,26 @@ struct executor : launcher {
 static inline pbf_status step_once(solver *s, double time, uint64_t nth,
                                    const pbf_surface *surfaces) {
   executor e(s, time, nth, surfaces);
+  const bool with_sleep = PBF_SLEEP && has_ranks(s) && s->activity;
+  if (with_sleep && s->ranks.all_asleep) {
+    e.wake();
+    if (e.status == PBF_OK) e.status = look_for_awakened(s);
+    if (e.status != PBF_OK) return e.status;
+    if (s->ranks.all_asleep) {
+      s->time = time;
+      return repeat_loads(s, 1);
+    }
+  }
   run_step(e, s->schedule);
-  return e.status;
+  return with_sleep && e.status == PBF_OK ? note_sleep_of_ranks(s) : e.status;
 }
 
 /* Whether no step from `time` on has anything to do: a look, without waiting. A step launched for
- * want of having seen it changes nothing, so that results do not depend on when it is seen. */
+ * want of having seen it changes nothing, so that results do not depend on when it is seen. On
+ * ranks step_once looks. */
 static inline bool all_asleep(const solver *s, double time) {
-  return PBF_SLEEP && s->activity && !pbf_any_obstacle_moves(moving_obstacles_at(s, time)) &&
+  return PBF_SLEEP && s->activity && !has_ranks(s) &&
+         !pbf_any_obstacle_moves(moving_obstacles_at(s, time)) &&
          *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch;
 }
 

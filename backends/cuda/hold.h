@@ -164,6 +164,7 @@ static inline unsorted_particles inbox_of(const solver *s, const unsorted_partic
   from.ids = in.ids;
   from.last_pressure = in.last_pressure;
   from.overlap = in.overlap;
+  from.activity = in.activity;
   from.phase = in.phase;
   from.count = count;
   return from;
@@ -338,6 +339,50 @@ static inline pbf_status add_numbers_of_ranks(solver *s, rank_numbers numbers) {
     add_numbers_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(place, numbers);
   });
   return r->failed ? r->failed : pbf_cuda_check_launch("add_numbers_kernel");
+}
+
+/* What has been noted of others' particles goes to these. */
+static inline pbf_status exchange_notes(solver *s, pbf_real *activity, uint8_t *awakened) {
+  const rank_state *r = &s->ranks;
+  if (r->count == 1) return PBF_OK;
+  const rank_notes notes = {activity, awakened,
+                            rank_notes_begin(r->count, r->halo_room, r->index_room, r->number_room),
+                            r->shares[r->rank].held_first, r->pad};
+  meet_ranks(s, [&](const rank_place &place) {
+    notes_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, notes);
+  });
+  return r->failed ? r->failed : pbf_cuda_check_launch("notes_kernel");
+}
+
+/* ---- Sleep --------------------------------------------------------------------------------- */
+
+/* On ranks hosts wait for each other between steps: what all do not do, none may launch. `asleep`:
+ * all of its own particles. */
+static inline pbf_status agree_on_sleep(solver *s, bool asleep) {
+  rank_state *r = &s->ranks;
+  r->all_asleep = on_all_ranks(s, asleep || !s->count);
+  if (r->failed) return r->failed;
+  return pbf_cuda_check(
+      cudaMemsetAsync(&s->tally->all, r->all_asleep, sizeof s->tally->all, s->stream),
+      "cudaMemsetAsync");
+}
+
+/* After a step. */
+static inline pbf_status note_sleep_of_ranks(solver *s) {
+  if (pbf_status status = pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize"))
+    return status;
+  return agree_on_sleep(s, *static_cast<const volatile uint64_t *>(s->all_asleep) == s->epoch);
+}
+
+/* Before one, if all slept: whether they still do. */
+static inline pbf_status look_for_awakened(solver *s) {
+  uint32_t all = 0;
+  pbf_status status = pbf_cuda_check(
+      cudaMemcpyAsync(&all, &s->tally->all, sizeof all, cudaMemcpyDeviceToHost, s->stream),
+      "cudaMemcpyAsync to the host");
+  if (status == PBF_OK)
+    status = pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
+  return status == PBF_OK ? agree_on_sleep(s, all != 0) : status;
 }
 
 #endif

@@ -110,7 +110,7 @@ struct launcher {
   bool reads_places_later() const {
     const auto &has = s->schedule.runs;
     return (has[PBF_STAGE_SHEAR_STRESS] && shear_stress_is_due()) || has[PBF_STAGE_MEAN_VELOCITY] ||
-           has[PBF_STAGE_ANGULAR_MOMENTUM] || has[PBF_STAGE_CURL] ||
+           has[PBF_STAGE_ANGULAR_MOMENTUM] || has[PBF_STAGE_CURL] || has[PBF_STAGE_SLEEP] ||
            has[PBF_STAGE_SURFACE_TENSION] || (has[PBF_STAGE_VISCOSITY] && !s->schedule.accelerated);
   }
 
@@ -164,7 +164,7 @@ struct launcher {
     const rank_state &r = s->ranks;
     in_two_parts = has_ranks(s) && r.count > 1 && r.inner_first < r.inner_last && !r.careful &&
                    !s->schedule.runs[PBF_STAGE_TORQUE] && !s->schedule.checks_convergence &&
-                   !s->clock.begin;
+                   !s->activity && !s->clock.begin;
     turn = 0;
     if (in_two_parts) status = record(r.inner_done, s->stream);
     if (in_two_parts && status == PBF_OK) status = record(r.edges_done[1], s->stream);

@@ -152,16 +152,20 @@ static inline void launch_list_kernel(solver *s, const neighborhood &n) {
                  n.particles, n.grid, s->constants.h2, s->lists);
 }
 
-static inline void launch_lists(solver *s, const neighborhood &n) {
+static inline pbf_status launch_lists(solver *s, const neighborhood &n) {
   if (!PBF_SLEEP || !s->activity) {
     launch_list_kernel<SEARCH_ALL>(s, n);
-    return;
+    return PBF_OK;
   }
   if constexpr (PBF_SLEEP) {
     launch_list_kernel<SEARCH_AWAKE>(s, n);
-    sleeping_boundary_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
+    if (own_count(n))
+      sleeping_boundary_kernel<<<blocks_for(own_count(n)), PBF_BLOCK, 0, s->stream>>>(n, s->tally);
+    if (has_ranks(s))
+      if (pbf_status status = exchange_notes(s, n.particles.activity, nullptr)) return status;
     launch_list_kernel<SEARCH_SLEEPING_BOUNDARY>(s, n);
   }
+  return PBF_OK;
 }
 
 /* Sorts the present positions, also of those that sleep. */
@@ -332,9 +336,9 @@ static inline pbf_status wake_near_moving(solver *s, pbf_moving_obstacles moving
     if (pbf_status status = upload_set(s, MANY_MOVING, &moving_obstacles.more)) return status;
   with_lists(s, [&](auto listed) {
     wake_near_moving_kernel<decltype(listed)::value>
-        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->count, s->sleep,
-                                                            moving_obstacles, obstacles,
-                                                            s->constants.h, s->activity, s->tally);
+        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+            s->points + s->first, s->count, s->sleep, moving_obstacles, obstacles, s->constants.h,
+            s->activity + s->first, s->tally);
   });
   return pbf_cuda_check_launch("wake_near_kernel");
 }

@@ -28,16 +28,16 @@ static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_
 static inline pbf_status init_new(solver *s, uint32_t first, uint32_t count) {
   if (!PBF_SLEEP || !s->activity || !count) return PBF_OK;
   ++s->epoch;
-  init_new_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(count, s->sleep,
-                                                                  s->activity + first, s->tally);
+  init_new_kernel<<<blocks_for(count), PBF_BLOCK, 0, s->stream>>>(
+      count, s->sleep, s->activity + s->first + first, s->tally);
   return pbf_cuda_check_launch("greet_kernel");
 }
 
 static inline pbf_status wake_all(solver *s) {
   if (!PBF_SLEEP || !s->activity || !s->count) return PBF_OK;
   ++s->epoch;
-  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->count, s->sleep,
-                                                                     s->activity, s->tally);
+  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+      s->count, s->sleep, s->activity + s->first, s->tally);
   return pbf_cuda_check_launch("wake_all_kernel");
 }
 

@@ -9,14 +9,6 @@
 
 /* ---- Refusals ------------------------------------------------------------------------------ */
 
-/* Null: ranks do all of it. */
-static inline const char *refusal_on_ranks(const solver *s, const pbf_params *params) {
-  if (!has_ranks(s)) return nullptr;
-  if (params->sleep_speed > 0)
-    return "params.sleep_speed is not 0: ranks do not know which of others' particles sleep";
-  return nullptr;
-}
-
 static inline pbf_status refuse_call_on_ranks(const solver *s, const char *what) {
   char text[160];
   snprintf(text, sizeof text, "on ranks of \"cuda\" %s is not to be had", what);
@@ -52,6 +44,8 @@ static inline pbf_status settle_state(solver *s) {
        s->last_pressure ? n * sizeof *s->last_pressure : 0},
       {s->other_overlap, s->overlap ? s->overlap + first : nullptr,
        s->overlap ? n * sizeof *s->overlap : 0},
+      {s->other_activity, s->activity ? s->activity + first : nullptr,
+       s->activity ? n * sizeof *s->activity : 0},
       {s->other_phase, s->phase ? s->phase + first : nullptr, s->phase ? n * sizeof *s->phase : 0}};
   for (const auto &copy : copies)
     if (copy.bytes)
@@ -64,6 +58,7 @@ static inline pbf_status settle_state(solver *s) {
   swap_arrays(&s->ids, &s->other_ids);
   swap_arrays(&s->last_pressure, &s->other_last_pressure);
   swap_arrays(&s->overlap, &s->other_overlap);
+  swap_arrays(&s->activity, &s->other_activity);
   swap_arrays(&s->phase, &s->other_phase);
   s->first = 0;
   return PBF_OK;
@@ -124,11 +119,17 @@ static inline pbf_rows part_of_rows(const pbf_rows *rows, uint32_t first, uint32
   return part;
 }
 
+/* As in the rows of PBF_BACKEND_FIELD_REST. */
+struct rest_of_particle {
+  pbf_real activity, lambda;
+};
+
 static inline pbf_status write_on_ranks(solver *s, uint32_t field, const pbf_rows *rows,
                                         const void *in) {
   const bool is_vector = field == PBF_FIELD_POSITION || field == PBF_FIELD_VELOCITY;
   uint64_t row_bytes = (is_vector ? PBF_DIM : 1) * sizeof(pbf_real);
   if (field == PBF_BACKEND_FIELD_PHASE) row_bytes = 1;
+  if (field == PBF_BACKEND_FIELD_REST) row_bytes = sizeof(rest_of_particle);
   const uint32_t what[3] = {field, rows->first, rows->count};
   s->ranks.particles = digest(s->ranks.particles, what, sizeof what);
   s->ranks.particles = digest(s->ranks.particles, in, rows->count * row_bytes);
@@ -149,6 +150,12 @@ static inline pbf_status write_on_ranks(solver *s, uint32_t field, const pbf_row
 static __global__ void own_places_kernel(const point *points, uint32_t count, pbf_vec *out) {
   const uint32_t i = thread_index();
   if (i < count) out[i] = position_of(load(points, i));
+}
+
+static __global__ void own_rest_kernel(const point *points, const pbf_real *activity,
+                                       uint32_t count, rest_of_particle *out) {
+  const uint32_t i = thread_index();
+  if (i < count) out[i] = {activity[i], points[i].lambda};
 }
 
 /* The host's memory for ids and rows of a rank's particles. */
@@ -213,7 +220,14 @@ static inline pbf_status share_rows(solver *s, const pbf_rows *rows, const uint3
 static inline pbf_status read_state_on_ranks(solver *s, uint32_t field, const pbf_rows *rows,
                                              void *out) {
   if (pbf_status status = settle_state(s)) return status;
-  if (field == PBF_BACKEND_FIELD_REST) return PBF_OK;
+  if (field == PBF_BACKEND_FIELD_REST) {
+    rest_of_particle *rest = reinterpret_cast<rest_of_particle *>(s->other);
+    if (!s->activity) return PBF_OK;
+    if (s->count)
+      own_rest_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points, s->activity,
+                                                                         s->count, rest);
+    return share_rows(s, rows, s->ids, rest, s->count, sizeof *rest, out);
+  }
   if (field == PBF_BACKEND_FIELD_OVERLAP || field == PBF_BACKEND_FIELD_LAST_PRESSURE) {
     const pbf_real *numbers = field == PBF_BACKEND_FIELD_OVERLAP ? s->overlap : s->last_pressure;
     return numbers ? share_rows(s, rows, s->ids, numbers, s->count, sizeof(pbf_real), out) : PBF_OK;

@@ -192,7 +192,8 @@ static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
 }
 
 static inline __host__ __device__ rank_inbox_has inbox_has(const unsorted_particles &of) {
-  return {of.last_pressure != nullptr, of.overlap != nullptr, of.phase != nullptr};
+  return {of.last_pressure != nullptr, of.overlap != nullptr, of.activity != nullptr,
+          of.phase != nullptr};
 }
 
 /* Puts each particle where a rank holds it. Cells of those that this rank does not hold get to be
@@ -226,6 +227,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     to.ids[slot] = from.ids[i];
     if (to.last_pressure) to.last_pressure[slot] = from.last_pressure[i];
     if (to.overlap) to.overlap[slot] = from.overlap[i];
+    if (to.activity) to.activity[slot] = from.activity[i];
     if (to.phase) to.phase[slot] = from.phase[i];
   }
 }
@@ -332,6 +334,54 @@ static __global__ void __launch_bounds__(PBF_BLOCK) exchange_kernel(rank_place p
   if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
   take_fields(p, f);
+}
+
+/* ---- Notes ----------------------------------------------------------------------------------- */
+
+/* What is noted of others' particles that a rank holds, for their ranks to know: those that
+ * something awake has made the sleeping boundary, or, unless it is null, the awakened ones. */
+struct rank_notes {
+  pbf_real *activity;
+  uint8_t *awakened;
+  uint64_t at; /* in a rank's room */
+  uint32_t held_first, pad;
+};
+
+static __device__ __forceinline__ bool is_noted(const rank_notes &n, uint32_t i) {
+  if (n.awakened) return n.awakened[i] != 0;
+  return pbf_is_asleep(n.activity[i]) && !pbf_is_inactive(n.activity[i]);
+}
+
+static __device__ __forceinline__ void note(const rank_notes &n, uint32_t i) {
+  if (n.awakened)
+    n.awakened[i] = 1;
+  else if (pbf_is_inactive(n.activity[i]))
+    n.activity[i] = pbf_sleeping_boundary();
+}
+
+/* Several may note the same one. Those read are cleared: all exchange something else between. */
+static __global__ void __launch_bounds__(PBF_BLOCK) notes_kernel(rank_place p, rank_notes n) {
+  const rank_control *c = p.control;
+  const rank_share mine = c->plan.shares[p.rank];
+  if (p.phases & RANK_GIVES) {
+    for (uint32_t r = 0; r < p.count; ++r) {
+      const rank_share its = c->plan.shares[r];
+      uint8_t *to = reinterpret_cast<uint8_t *>(c->rooms[r] + n.at);
+      if (r != p.rank)
+        for_words(common_run(its, mine), 1, [&](uint32_t place, uint32_t) {
+          if (is_noted(n, place - n.held_first + n.pad)) to[place - its.own_first] = 1;
+        });
+    }
+    tell_ranks_at_last(p);
+  }
+  if (!(p.phases & RANK_TAKES)) return;
+  await_ranks(p);
+  volatile uint8_t *here = reinterpret_cast<uint8_t *>(c->rooms[p.rank] + n.at);
+  for_words({mine.own_first, mine.own_last}, 1, [&](uint32_t place, uint32_t) {
+    if (!here[place - mine.own_first]) return;
+    here[place - mine.own_first] = 0;
+    note(n, place - n.held_first + n.pad);
+  });
 }
 
 /* ---- Sums ------------------------------------------------------------------------------------ */

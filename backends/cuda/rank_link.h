@@ -262,14 +262,16 @@ static inline bool agree_on_step(solver *s, const pbf_step_times &times, uint32_
 static inline pbf_status take_room(solver *s, uint32_t halo, uint64_t indices, uint64_t numbers) {
   rank_state *r = &s->ranks;
   void *room = nullptr;
-  if (pbf_status status = pbf_cuda_take(&s->memory, "exchanged with ranks",
-                                        rank_room_bytes(r->count, halo, indices, numbers), &room))
+  const uint32_t notes = s->activity ? s->capacity : 0;
+  const uint64_t bytes = rank_notes_begin(r->count, halo, indices, numbers) + notes;
+  if (pbf_status status = pbf_cuda_take(&s->memory, "exchanged with ranks", bytes, &room))
     return status;
   pbf_cuda_free(&s->memory, r->room);
   r->room = static_cast<char *>(room);
   r->halo_room = halo;
   r->index_room = indices;
   r->number_room = numbers;
+  r->note_room = notes;
   r->changed = true;
   return PBF_OK;
 }
@@ -282,8 +284,8 @@ enum {
 static_assert(offsetof(pbf_load_sums, depth) == (SUMS_OF_SOLID - 1) * sizeof(unsigned long long),
               "of ranks' depths the largest counts");
 
-/* For the sums and places of a pressure grid's cells, where there can be one, for loads, and for
- * a solve's error. */
+/* For the sums and places of a pressure grid's cells, where there can be one, for loads, for a
+ * solve's error, and for what is noted of sleepers. */
 static inline pbf_status keep_rank_sums(solver *s) {
   const uint64_t indices =
       s->pressure_grid_memory ? pbf_pressure_grid_max_nodes(s->scene_capacity) : 0;
@@ -291,7 +293,9 @@ static inline pbf_status keep_rank_sums(solver *s) {
   if (are_many(s->many)) solids = PBF_WALLS + (uint64_t)s->many.table.room;
   uint64_t numbers = s->watch ? 1 : 0;
   if (s->load_tally) numbers = CHANGES_OF_ALL + solids * SUMS_OF_SOLID;
-  if (!has_ranks(s) || (indices == s->ranks.index_room && numbers == s->ranks.number_room))
+  const rank_state *r = &s->ranks;
+  if (!has_ranks(s) || (indices == r->index_room && numbers == r->number_room &&
+                        (s->activity != nullptr) == (r->note_room > 0)))
     return PBF_OK;
   return take_room(s, s->ranks.halo_room, indices, numbers);
 }

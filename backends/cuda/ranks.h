@@ -91,8 +91,9 @@ static inline uint64_t rank_numbers_begin(uint32_t ranks, uint32_t halo, uint64_
          indices * 2 * sizeof(unsigned long long) + (indices + indices % 2) * sizeof(uint32_t);
 }
 
-static inline uint64_t rank_room_bytes(uint32_t ranks, uint32_t halo, uint64_t indices,
-                                       uint64_t numbers) {
+/* And a byte for each of its own particles, in which others note something about it. */
+static inline uint64_t rank_notes_begin(uint32_t ranks, uint32_t halo, uint64_t indices,
+                                        uint64_t numbers) {
   return rank_numbers_begin(ranks, halo, indices) + ranks * numbers * sizeof(unsigned long long);
 }
 
@@ -101,18 +102,18 @@ struct rank_inbox {
   point *points;
   pbf_vec *velocities;
   uint32_t *ids;
-  pbf_real *last_pressure, *overlap; /* null: none, … */
-  uint8_t *phase;                    /* … as here */
+  pbf_real *last_pressure, *overlap, *activity; /* null: none, … */
+  uint8_t *phase;                               /* … as here */
 };
 
 /* Which of these there are. */
 struct rank_inbox_has {
-  bool last_pressure, overlap, phase;
+  bool last_pressure, overlap, activity, phase;
 };
 
 /* The capacity is a multiple of RANK_GROUP. */
 static inline uint64_t rank_inbox_bytes(uint32_t capacity, const rank_inbox_has &has) {
-  const uint64_t numbers = (uint64_t)has.last_pressure + has.overlap;
+  const uint64_t numbers = (uint64_t)has.last_pressure + has.overlap + has.activity;
   return capacity * (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) +
                      numbers * sizeof(pbf_real) + (uint64_t)has.phase);
 }
@@ -124,10 +125,12 @@ static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t ca
   in.velocities = reinterpret_cast<pbf_vec *>(in.points + capacity);
   in.last_pressure = reinterpret_cast<pbf_real *>(in.velocities + capacity);
   in.overlap = in.last_pressure + (has.last_pressure ? capacity : 0);
-  in.ids = reinterpret_cast<uint32_t *>(in.overlap + (has.overlap ? capacity : 0));
+  in.activity = in.overlap + (has.overlap ? capacity : 0);
+  in.ids = reinterpret_cast<uint32_t *>(in.activity + (has.activity ? capacity : 0));
   in.phase = reinterpret_cast<uint8_t *>(in.ids + capacity);
   if (!has.last_pressure) in.last_pressure = nullptr;
   if (!has.overlap) in.overlap = nullptr;
+  if (!has.activity) in.activity = nullptr;
   if (!has.phase) in.phase = nullptr;
   return in;
 }
@@ -154,7 +157,9 @@ struct rank_state {
   char *room;
   uint32_t halo_room, cell_room; /* as on all ranks, … */
   uint64_t index_room;           /* … as are these: indices of a pressure grid, … */
-  uint64_t number_room;          /* … and numbers that are summed up */
+  uint64_t number_room;          /* … numbers that are summed up, … */
+  uint32_t note_room;            /* … and notes about particles */
+  bool all_asleep; /* on all ranks, after the last step; tally->all is 0 or not by it */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
   uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */

@@ -31,10 +31,20 @@ static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {
           pbf_cuda_check(cudaMemsetAsync(&s->tally->asked, 0, sizeof s->tally->asked, s->stream),
                          "cudaMemsetAsync"))
     return status;
-  count_asleep_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->activity, s->count,
-                                                                         s->tally);
+  if (s->count)
+    count_asleep_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->activity + s->first,
+                                                                           s->count, s->tally);
   if (pbf_status status = pbf_cuda_check_launch("count_asleep_kernel")) return status;
   return copy_out(s, asleep, &s->tally->asked, sizeof *asleep);
+}
+
+/* Of all ranks. */
+static inline bool add_up_asleep(solver *s, uint32_t *asleep) {
+  uint32_t all[RANKS_OF_CUDA];
+  if (!gather_on_ranks(s, asleep, all, sizeof *asleep)) return false;
+  *asleep = 0;
+  for (uint32_t k = 0; k < s->ranks.count; ++k) *asleep += all[k];
+  return true;
 }
 
 /* In the order of the ranks, and so of the particles. */
@@ -66,6 +76,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
     return end_on_ranks(s);
   if (!stats->count) return PBF_OK;
   if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
+  if (has_ranks(s) && !add_up_asleep(s, &stats->asleep)) return end_on_ranks(s);
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);

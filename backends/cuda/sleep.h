@@ -25,7 +25,7 @@ struct sleep_marks {
  * threads may mark the same one. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     sleeping_boundary_kernel(neighborhood n, const sleep_tally *tally) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   if (tally->all || !tally->some) return;
   const point *points = n.particles.points;
   volatile pbf_real *activity = n.particles.activity;
@@ -43,7 +43,7 @@ template <int FEATURES>
 static __global__ void __launch_bounds__(PBF_BLOCK)
     activity_kernel(neighborhood n, const pbf_vec *velocities, pbf_sleep sleep, pbf_real *activity,
                     sleep_tally *tally, sleep_marks marks) {
-  uint32_t i = thread_index();
+  uint32_t i = own_index(n.particles);
   if (tally->all) return;
   pbf_vec around = smoothed_velocity<FEATURES>(n, velocities, 1, i);
   if (i >= n.particles.count) return;
@@ -62,7 +62,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
  * Several threads may mark the same neighbour. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     wake_neighbors_kernel(neighborhood n, const sleep_tally *tally, sleep_marks marks) {
-  uint32_t i = thread_index(), own = min(i, n.particles.count - 1);
+  uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   if (tally->all || !tally->near_sleep_count) return;
   const point *points = n.particles.points;
   pbf_vec x = position_of(load(points, own));

@@ -189,7 +189,7 @@ static inline unsorted_particles state_of(const solver *s) {
           s->velocities + s->first,
           s->ids + s->first,
           s->count,
-          s->activity,
+          s->activity ? s->activity + s->first : nullptr,
           s->tally ? &s->tally->all : nullptr,
           s->tally ? &s->tally->some : nullptr,
           s->last_pressure ? s->last_pressure + s->first : nullptr,

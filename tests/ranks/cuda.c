@@ -18,7 +18,8 @@ typedef struct scene {
   uint32_t phases;               /* particles are of by turns, once they are set; 0: none */
   uint64_t hash;
   pbf_stats stats;
-  void *densities;
+  void *densities, *saved; /* the state */
+  uint64_t saved_size;
   pbf_collider_load loads[MAX_SOLIDS]; /* of walls, and then of colliders, if they are wanted */
   uint64_t hashes_seen[MAX_THREAD_RANKS];
 } scene;
@@ -135,12 +136,27 @@ static uint32_t count_of(pbf_solver *s) {
   return count;
 }
 
+/* The whole state, and its size; to be freed. */
+static void *save(pbf_solver *s, uint64_t *size) {
+  *size = 0;
+  EXPECT_OK(pbf_save(s, NULL, size));
+  void *bytes = malloc(*size);
+  if (EXPECT(bytes)) EXPECT_OK(pbf_save(s, bytes, size));
+  return bytes;
+}
+
+static void free_answers(scene *c) {
+  free(c->densities);
+  free(c->saved);
+}
+
 static void run_alone(scene *c) {
   const pbf_desc desc = desc_of(c);
   pbf_solver *s = test_create(&desc, &c->params);
   run_scene(c, s);
   assert_int_equal(ranks_failures(), 0);
   c->hash = test_hash(s);
+  c->saved = save(s, &c->saved_size);
   weigh(c, s, c->loads);
   c->stats = (pbf_stats){.struct_size = sizeof c->stats};
   assert_ok(pbf_get_stats(s, &c->stats));
@@ -155,6 +171,7 @@ static int is_about(double a, double b) { return fabs(a - b) <= 1e-12 * (fabs(a)
 static void expect_same_stats(const pbf_stats *a, const pbf_stats *b) {
   EXPECT(a->count == b->count);
   EXPECT(a->iterations == b->iterations);
+  EXPECT(a->asleep == b->asleep);
   EXPECT(a->neighbors_max == b->neighbors_max);
   EXPECT(a->speed_max == b->speed_max);
   EXPECT(a->density_error_max == b->density_error_max);
@@ -178,6 +195,10 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   EXPECT_OK(pbf_get_stats(s, &stats));
   expect_same_stats(&stats, &c->stats);
+  uint64_t size;
+  void *saved = save(s, &size);
+  EXPECT(size == c->saved_size && saved && memcmp(saved, c->saved, size) == 0);
+  free(saved);
   pbf_collider_load loads[MAX_SOLIDS];
   weigh(c, s, loads);
   EXPECT(memcmp(loads, c->loads, sizeof loads) == 0);
@@ -190,7 +211,7 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
 static void expect_same(const char *what, scene *c, uint32_t ranks, const double *shares) {
   memset(c->hashes_seen, 0, sizeof c->hashes_seen);
   thread_ranks_run(ranks, 0, shares, NULL, run_on_ranks, c);
-  assert_int_equal(ranks_failures(), 0);
+  if (ranks_failures()) fail_msg("%s, on %u ranks: other answers", what, ranks);
   for (uint32_t r = 0; r < ranks; ++r)
     if (c->hashes_seen[r] != c->hash)
       fail_msg("%s, %uD float%u, rank %u of %u: other bits", what, c->dimension, 8 * c->precision,
@@ -200,7 +221,7 @@ static void expect_same(const char *what, scene *c, uint32_t ranks, const double
 static void check(const char *what, scene *c) {
   run_alone(c);
   for (uint32_t ranks = 1; ranks <= 3; ++ranks) expect_same(what, c, ranks, NULL);
-  free(c->densities);
+  free_answers(c);
 }
 
 static void check_plain(uint32_t dimension, uint32_t precision) {
@@ -321,6 +342,32 @@ static void so_are_periodic_axes(void **state) {
   test_for_each_kind(check_periodic);
 }
 
+/* Something falls into what has fallen asleep; and all sleep, until the ball comes. */
+static void check_sleep(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.params.sleep_speed = dimension == 3 ? 1 : 1.5;
+  c.params.sleep_time = 0.02;
+  c.comes_and_goes = 1;
+  c.set_up = set_plate;
+  c.params.loads = 1;
+  check("sleep", &c);
+  assert_in_range(c.stats.asleep, COUNT / 10, COUNT - 1);
+  c = scene_of(dimension, precision);
+  c.params.sleep_speed = 100;
+  c.params.sleep_time = 0.01;
+  c.params.loads = 1;
+  check("all asleep", &c);
+  assert_int_equal(c.stats.asleep, COUNT);
+  c.set_up = set_plate;
+  check("all asleep but near a ball", &c);
+  assert_in_range(c.stats.asleep, COUNT / 10, COUNT - 1);
+}
+
+static void so_is_sleep(void **state) {
+  (void)state;
+  test_for_each_kind(check_sleep);
+}
+
 static void so_are_pressure_grids(void **state) {
   (void)state;
   test_for_each_kind(check_grids);
@@ -361,18 +408,14 @@ static void it_does_not_matter_where_space_is_cut(void **state) {
   run_alone(&c);
   for (size_t k = 0; k < sizeof shares / sizeof shares[0]; ++k)
     expect_same("uneven shares", &c, 3, shares[k]);
-  free(c.densities);
+  free_answers(&c);
 }
 
 static void refuse(const pbf_ranks *ranks, void *context) {
   scene *c = context;
-  pbf_params sleeps = c->params;
   const pbf_desc desc = desc_of(c);
   pbf_solver *s = NULL;
   float pressure;
-  sleeps.sleep_speed = sleeps.sleep_time = 0.1;
-  EXPECT_FAILS(pbf_create_on_ranks(&desc, &sleeps, ranks, &s), PBF_ERROR_UNSUPPORTED,
-               "params.sleep_speed is not 0");
   if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
   fill(c, s, COUNT, 0);
   EXPECT_FAILS(pbf_get_pressures(s, 0, 1, &pressure), PBF_ERROR_UNSUPPORTED, "on ranks");
@@ -432,6 +475,7 @@ int main(void) {
       cmocka_unit_test(so_are_loads_and_friction),
       cmocka_unit_test(so_are_fluids),
       cmocka_unit_test(so_are_periodic_axes),
+      cmocka_unit_test(so_is_sleep),
       cmocka_unit_test(so_are_mirrors_and_sparse_particles),
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
