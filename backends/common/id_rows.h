@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include "physics/features.h"
+
 enum { PBF_ID_ENTRIES = 1024, PBF_IDS_AN_ENTRY = 4 };
 
 typedef struct pbf_id_rows {
@@ -28,7 +30,7 @@ static inline uint32_t pbf_id_bound(const uint32_t *ids, uint32_t low, uint32_t 
 }
 
 /* Takes less than looking up as many ids as there are rows. */
-static inline void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint32_t total) {
+PBF_FN_APART void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint32_t total) {
   rows->ids = ids;
   rows->total = total;
   rows->shift = 0;
@@ -43,8 +45,8 @@ static inline void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uin
 }
 
 /* The row of an id among rows first … end - 1 that it can only be in, or total; `guess` is one. */
-static inline uint32_t pbf_id_row_near(const pbf_id_rows *rows, uint32_t first, uint32_t end,
-                                       uint32_t guess, uint32_t id) {
+PBF_FN_APART uint32_t pbf_id_row_near(const pbf_id_rows *rows, uint32_t first, uint32_t end,
+                                      uint32_t guess, uint32_t id) {
   const uint32_t *ids = rows->ids;
   uint32_t low = first, high = end, step = 1;
   if (ids[guess] == id) return guess;
