@@ -140,11 +140,12 @@ static pbf_shape *a_wedge(uint32_t dimension) {
 
 static void put(scene *s, const setting *set, const kind *k) {
   char *at = (char *)s + set->number->offset;
-  const uint32_t whole = (uint32_t)set->value;
-  if (set->number->is_count)
+  if (set->number->is_count) {
+    const uint32_t whole = (uint32_t)set->value;
     memcpy(at, &whole, sizeof whole);
-  else
+  } else {
     memcpy(at, &set->value, sizeof set->value);
+  }
   s->collider.geometry = s->collider.shape == PBF_COLLIDER_SHAPE ? k->geometry : NULL;
 }
 

@@ -72,6 +72,7 @@ static all_loads loads_of(double level, int count, const pbf_surface *surfaces) 
             }
           });
   }
+  free(lambda);
   return all;
 }
 
