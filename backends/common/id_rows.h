@@ -6,8 +6,6 @@
 
 #include <stdint.h>
 
-#include "physics/features.h"
-
 enum { PBF_ID_ENTRIES = 1024, PBF_IDS_AN_ENTRY = 4 };
 
 typedef struct pbf_id_rows {
@@ -30,7 +28,7 @@ static inline uint32_t pbf_id_bound(const uint32_t *ids, uint32_t low, uint32_t 
 }
 
 /* Takes less than looking up as many ids as there are rows. */
-PBF_FN_APART void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint32_t total) {
+static inline void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint32_t total) {
   rows->ids = ids;
   rows->total = total;
   rows->shift = 0;
@@ -45,8 +43,8 @@ PBF_FN_APART void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint
 }
 
 /* The row of an id among rows first … end - 1 that it can only be in, or total; `guess` is one. */
-PBF_FN_APART uint32_t pbf_id_row_near(const pbf_id_rows *rows, uint32_t first, uint32_t end,
-                                      uint32_t guess, uint32_t id) {
+static inline uint32_t pbf_id_row_near(const pbf_id_rows *rows, uint32_t first, uint32_t end,
+                                       uint32_t guess, uint32_t id) {
   const uint32_t *ids = rows->ids;
   uint32_t low = first, high = end, step = 1;
   if (ids[guess] == id) return guess;
