@@ -13,11 +13,11 @@
  * (pbf_boundary_correction), the weight of which is on the walls across: they share it, where there
  * are any that the fluid is at. What is then left of the whole is that of a pressure grid, the
  * pressure of which ends some tenths of a spacing above or below where the fluid does. It goes to
- * all as one pressure at all depths would: to a floor by its area, to a body that floats by the
- * area that it cuts out of the surface, upwards, and to one that is pressed from all sides not at
- * all. Where that does not tell, as across, it goes in proportion to what each has got along the
- * axis in all. So the sum over all solids is the momentum that the fluid has lost, whatever errors
- * the parts have.
+ * all as one pressure at all depths would, along normals: to a floor by its area, to a body that
+ * floats by the area that it cuts out of the surface, upwards, and to one that is pressed from all
+ * sides not at all. What does not fit one pressure goes in proportion to what each has got along
+ * the axis in all. So the sum over all solids is the momentum that the fluid has lost, whatever
+ * errors the parts have.
  *
  * Sums are of integers: their order, and with it threads, changes no bit. */
 #ifndef PBF_PHYSICS_LOADS_H
@@ -458,7 +458,7 @@ PBF_FN void add_part(pbf_load_sums *to, const load_part &part, bool counts) {
 
 /* What is left of the whole along an axis, in units, and by which of their sums solids share it:
  * what they have got, or how much of them is wet where none has got anything, in proportion to its
- * size; or by what one pressure would do to each, with its sign. */
+ * size. */
 typedef struct load_rest {
   double change, sum;
   int by;
@@ -491,16 +491,12 @@ PBF_FN load_rest load_rest_of(const Tally *t, int solids, int axis, double chang
   return rest;
 }
 
-/* What walls share, and then what all do: by what one pressure would do, and by what they got. */
+/* What walls share, and then what is left for all, of which one pressure would do `open` in all and
+ * `open_size` in sizes. */
 struct load_rests {
-  load_rest walls[3], open[3], all[3];
+  load_rest walls[3], all[3];
+  double open[3], open_size[3];
 };
-
-/* How far a pressure is told by what is left: wholly where fluid has a surface that it is known to
- * be 0 at, and not at all across, where it presses on both sides alike. */
-PBF_FN double load_open_part(double net, double size) {
-  return size > 0 ? net * net / (net * net + 0.01 * size * size) : 0;
-}
 
 /* Along axis k. */
 template <class Tally>
@@ -509,13 +505,27 @@ PBF_FN void find_load_rests(const Tally *t, int k, load_rests *rests) {
   const double along = load_sum_over(t, PBF_WALLS, PBF_LOAD_ALONG + k);
   const double known = load_sum_over(t, solids, PBF_LOAD_CHANGE + k) + along;
   const bool are_walls_across = load_size_over(t, PBF_WALLS, PBF_LOAD_CHANGE + k) > 0;
-  const double net = load_sum_over(t, solids, PBF_LOAD_OPEN + k);
-  const double open = load_open_part(net, load_size_over(t, solids, PBF_LOAD_OPEN + k));
   double rest = pbf_wide_value(t->change[k]) - known;
   if (!are_walls_across) rest += along;
   rests->walls[k] = load_rest_of(t, PBF_WALLS, k, are_walls_across ? along : 0);
-  rests->open[k] = {open * rest, net, PBF_LOAD_OPEN + k};
-  rests->all[k] = load_rest_of(t, solids, k, (1 - open) * rest);
+  rests->all[k] = load_rest_of(t, solids, k, rest);
+  rests->open[k] = load_sum_over(t, solids, PBF_LOAD_OPEN + k);
+  rests->open_size[k] = load_size_over(t, solids, PBF_LOAD_OPEN + k);
+}
+
+/* The pressure at all depths that what is left tells, by the axes along which it presses on one
+ * side more than on the other: wholly where fluid has a surface that it is known to be 0 at, and
+ * not at all where it is closed in. One for all axes, so that what is left along one of them
+ * presses on solids along their normals. */
+PBF_FN double open_pressure_left(const load_rests &rests) {
+  double told = 0, open2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double net2 = rests.open[k] * rests.open[k];
+    const double all2 = net2 + 0.01 * rests.open_size[k] * rests.open_size[k];
+    if (all2 > 0) told += net2 / all2 * rests.all[k].change * rests.open[k];
+    open2 += net2;
+  }
+  return open2 > 0 ? told / open2 : 0;
 }
 
 template <class Tally>
@@ -525,13 +535,9 @@ PBF_FN load_rests load_rests_of(const Tally *t) {
   return rests;
 }
 
-PBF_FN double load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
-  return rest.sum > 0 ? rest.change * (fabs(pbf_wide_value(sums->of[rest.by])) / rest.sum) : 0;
-}
-
-PBF_FN double open_load_share_of(const load_rest &rest, const pbf_load_sums *sums) {
-  const bool has = rest.sum < 0 || rest.sum > 0;
-  return has ? rest.change * (pbf_wide_value(sums->of[rest.by]) / rest.sum) : 0;
+/* Of a change that solids share. */
+PBF_FN double load_share_of(const load_rest &rest, double change, const pbf_load_sums *sums) {
+  return rest.sum > 0 ? change * (fabs(pbf_wide_value(sums->of[rest.by])) / rest.sum) : 0;
 }
 
 /* A solid's load from its sums. */
@@ -540,9 +546,12 @@ PBF_FN void find_load(const pbf_load_sums *sums, const load_rests &rests, bool i
   double number[PBF_LOAD_SUMS], units[PBF_LOAD_SUMS], rest[3], place[3];
   pbf_load_units(s->velocity, lever, units);
   for (int k = 0; k < PBF_LOAD_SUMS; ++k) number[k] = pbf_wide_value(sums->of[k]) / units[k];
+  const double pressure = open_pressure_left(rests);
   for (int k = 0; k < 3; ++k) {
-    rest[k] = load_share_of(rests.all[k], sums) + open_load_share_of(rests.open[k], sums);
-    if (is_wall) rest[k] += load_share_of(rests.walls[k], sums);
+    const double left = rests.all[k].change - pressure * rests.open[k];
+    rest[k] = pressure * pbf_wide_value(sums->of[PBF_LOAD_OPEN + k]);
+    rest[k] += load_share_of(rests.all[k], left, sums);
+    if (is_wall) rest[k] += load_share_of(rests.walls[k], rests.walls[k].change, sums);
     rest[k] /= s->velocity;
     place[k] = number[PBF_LOAD_WET] > 0 ? number[PBF_LOAD_PLACE + k] / number[PBF_LOAD_WET] : 0;
   }

@@ -304,6 +304,42 @@ static void check_crate(uint32_t precision) {
   load_end(&s);
 }
 
+static const double dam_foot = 30 * 0.05, dam_water = 12 * 0.05;
+
+static int before_dam(const double x[3]) { return x[0] - x[1] < dam_foot - 0.7 * load_spacing; }
+
+/* A dam that leans away from the water by 45 degrees, in steps after which the grid's pressure ends
+ * somewhat above or below the water: that presses on the dam along its normal, and on the wall
+ * across from it by as much. */
+static void check_dam(uint32_t precision) {
+  const double domain[3] = {60 * 0.05, 22 * 0.05, 1},
+               size[3] = {dam_foot + dam_water, dam_water, 1};
+  const double half = 16 * 0.05, thick = 3 * 0.05, part = sqrt(0.5);
+  pbf_params params = load_params(2, domain);
+  params.pressure_grid = 2;
+  params.time_step = 1.0 / 38;
+  pbf_collider body = load_collider(PBF_COLLIDER_BOX, 0, 0, 0);
+  body.position[0] = dam_foot + part * (half - 10 * load_spacing + thick);
+  body.position[1] = part * (half - 10 * load_spacing - thick);
+  body.orientation[2] = sin(acos(-1) / 8), body.orientation[3] = cos(acos(-1) / 8);
+  body.half_extents[0] = half, body.half_extents[1] = thick;
+  load_scene s = load_scene_of(2, precision, &params, size, before_dam, 1, &body);
+  pbf_collider_load dam, walls[6];
+  assert_ok(pbf_step(s.solver, 150));
+  load_colliders(&s, 1, &dam), load_walls(&s, walls);
+  assert_ok(pbf_step(s.solver, 150));
+  load_colliders(&s, 1, &dam), load_walls(&s, walls);
+  const double area = s.count * s.mass, h = sqrt(dam_foot * dam_foot + 2 * area) - dam_foot;
+  const double side = load_gravity * h * h / 2, across = side / part;
+  print_message("a dam: %.3f, along it %.3f, the wall %.3f\n",
+                part * (force(&dam, 0) - force(&dam, 1)) / across,
+                part * (force(&dam, 0) + force(&dam, 1)) / across, -force(&walls[0], 0) / side);
+  check_near("across a dam", part * (force(&dam, 0) - force(&dam, 1)), across, 0.04);
+  check_near("on a wall", -force(&walls[0], 0), side, 0.09);
+  assert_true(fabs(part * (force(&dam, 0) + force(&dam, 1))) < 0.06 * across);
+  load_end(&s);
+}
+
 /* A plate a spacing thick lies on another one: that has no water at it. */
 static void check_covered(uint32_t precision) {
   const double domain[3] = {0.4, 3, 1}, size[3] = {0.4, 1.5, 1};
@@ -335,6 +371,7 @@ static void check_rafts(uint32_t dimension, uint32_t precision) {
   }
   check_covered(precision);
   check_crate(precision);
+  check_dam(precision);
   check_raft(precision, 0.35, 1.0 / 60);
   check_raft(precision, 0, 1.0 / 30);
 }
