@@ -205,8 +205,8 @@ static void change_particles(pbf_solver *s, uint32_t dimension, uint32_t precisi
   free(x);
 }
 
-/* Deep water, whose pressures are in part on a grid until they are asked for: asked before changes
- * and after them, or after them alone, they are the same. */
+/* In deep water a part of the pressures is on a grid until they are read: read before changes and
+ * after them, or after them alone, they are the same. */
 static void check_changes_before_looking(uint32_t dimension, uint32_t precision) {
   double *after[2];
   uint32_t count = 0;
