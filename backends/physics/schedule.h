@@ -50,12 +50,6 @@ static inline uint32_t pbf_has_adhesion(const pbf_params *params, uint32_t colli
   return has && params->surface_tension > 0;
 }
 
-/* Where fluids differ by little, what pressure resists of shear would hold the lighter one under
- * the other for good, however deep they are. */
-static inline int pbf_phases_correct_shear(const pbf_params *params) {
-  return pbf_shear_stress_correction(params) > 0;
-}
-
 /* For `count` particles. What runs depends on them, and not on `capacity`, which is how many there
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
  * `most` is what steps so far have left of an error for each layer, see pbf_depth_wants_grid.
@@ -85,8 +79,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.collide_in_iteration = (params->collide & PBF_COLLIDE_IN_ITERATION) != 0;
   s.collide_after_solve = (params->collide & PBF_COLLIDE_AFTER_SOLVE) != 0;
   s.corrects_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
-                     (phases ? pbf_phases_correct_shear(params)
-                             : pbf_depth_corrects_shear(params, basins, colliders, list, count));
+                     pbf_depth_corrects_shear(params, basins, colliders, list, count, phases);
   const int accelerated = s.accelerated, corrects_shear = s.corrects_shear;
   const int close_phases = s.close_phases;
 #define PBF_STAGE(ID, name, feature, times, launches) \
@@ -95,10 +88,9 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
                     pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity), most,
                                    s.close_phases) > 0;
-  s.may_correct_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
-                        (phases ? pbf_phases_correct_shear(params)
-                                : pbf_depth_corrects_shear(params, basins, colliders, list,
-                                                           pbf_max_planned(capacity)));
+  s.may_correct_shear =
+      (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
+      pbf_depth_corrects_shear(params, basins, colliders, list, pbf_max_planned(capacity), phases);
   return s;
 }
 

@@ -120,6 +120,38 @@ static void in_short_steps_too(void **state) {
     fail_msg("angular momentum left %g, energy %g", left, energy);
 }
 
+/* A closed box that is full, without gravity, by default: pressed by its walls alone. */
+static double kept_in_a_full_box(uint32_t dimension, uint32_t precision, double time_step,
+                                 double *energy) {
+  tank t = tank_across(40, dimension, precision, -1);
+  pbf_params params = params_of(&t, -1);
+  pbf_stats first = {.struct_size = sizeof first}, last = first;
+  for (int k = 0; k < 3; ++k) params.domain_max[k] = length(&t, k);
+  params.gravity[1] = 0;
+  params.time_step = time_step;
+  assert_ok(pbf_set_params(t.solver, &params));
+  const double before = angular_momentum(&t);
+  assert_ok(pbf_get_stats(t.solver, &first));
+  assert_ok(pbf_step(t.solver, (uint32_t)lround((dimension == 2 ? 2 : 1) / time_step)));
+  assert_ok(pbf_get_stats(t.solver, &last));
+  *energy = last.kinetic_energy / first.kinetic_energy;
+  const double left = angular_momentum(&t) / before;
+  destroy(&t);
+  return left;
+}
+
+static void eddies_live_in_full_boxes(void **state) {
+  (void)state;
+  const double steps[] = {1.0 / 60, 1.0 / 240};
+  for (uint32_t dimension = 2; dimension <= 3; ++dimension)
+    for (int k = 0; k < 2; ++k) {
+      double energy, left = kept_in_a_full_box(dimension, PBF_FLOAT32, steps[k], &energy);
+      if (!(left > 0.9 && energy > 0.8 && energy < 1.02))
+        fail_msg("%uD, steps of %g s: angular momentum left %g, energy %g", dimension, steps[k],
+                 left, energy);
+    }
+}
+
 static void eddies_live(void **state) {
   (void)state;
   test_for_long_kinds(an_eddy_lives);
@@ -307,6 +339,7 @@ int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
   const struct CMUnitTest tests[] = {cmocka_unit_test(eddies_live),
                                      cmocka_unit_test(in_short_steps_too),
+                                     cmocka_unit_test(eddies_live_in_full_boxes),
                                      cmocka_unit_test(water_stays_still),
                                      cmocka_unit_test(water_does_not_swell),
                                      cmocka_unit_test(calls_may_be_divided),
