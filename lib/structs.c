@@ -57,19 +57,19 @@ uint32_t pbf_struct_size(const void *theirs) {
   return size;
 }
 
+static pbf_status fail_on_null(const pbf_struct_kind *kind) {
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it must point to a %s",
+                  kind->name + strlen("pbf_"), kind->name);
+}
+
 pbf_status pbf_struct_check_out(const pbf_struct_kind *kind, const void *theirs) {
-  if (!theirs) {
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it must point to a %s",
-                    kind->name + strlen("pbf_"), kind->name);
-  }
+  if (!theirs) return fail_on_null(kind);
   return pbf_struct_check_size(kind, pbf_struct_size(theirs));
 }
 
-pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours) {
-  pbf_status status = pbf_struct_check_out(kind, theirs);
-  if (status != PBF_OK) return status;
-  uint32_t size = pbf_struct_size(theirs);
-  const unsigned char *bytes = theirs;
+/* Bytes beyond those that are known, which have to be 0. */
+static pbf_status check_rest(const pbf_struct_kind *kind, const unsigned char *bytes,
+                             uint32_t size) {
   for (uint32_t i = kind->size; i < size; ++i) {
     if (!bytes[i]) continue;
     return pbf_fail(PBF_ERROR_STRUCT_SIZE,
@@ -77,11 +77,33 @@ pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *
                     "only, so the rest must be 0",
                     i, kind->name, size, bytes[i], kind->size);
   }
+  return PBF_OK;
+}
+
+pbf_status pbf_struct_in_sized(const pbf_struct_kind *kind, const void *theirs, uint32_t size,
+                               void *ours) {
+  pbf_status status = pbf_struct_check_size(kind, size);
+  if (status == PBF_OK) status = check_rest(kind, theirs, size);
+  if (status != PBF_OK) return status;
   const uint32_t common = size < kind->size ? size : kind->size;
   memcpy(ours, theirs, common);
   memset((unsigned char *)ours + common, 0, kind->size - common);
   memcpy(ours, &kind->size, sizeof kind->size);
   return PBF_OK;
+}
+
+pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours) {
+  if (!theirs) return fail_on_null(kind);
+  return pbf_struct_in_sized(kind, theirs, pbf_struct_size(theirs), ours);
+}
+
+pbf_status pbf_struct_in_stored(const pbf_struct_kind *kind, const void *stored, uint32_t size,
+                                void *ours) {
+  if (size < sizeof(uint32_t) || pbf_struct_size(stored) != size)
+    return pbf_fail(PBF_ERROR_DATA,
+                    "the saved state contradicts itself in the size of a struct; pbf_load takes "
+                    "what pbf_save wrote");
+  return pbf_struct_in_sized(kind, stored, size, ours);
 }
 
 void pbf_struct_out(const pbf_struct_kind *kind, const void *ours, void *theirs, uint32_t size) {

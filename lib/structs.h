@@ -56,6 +56,15 @@ pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size);
 /* Copies a caller's struct of its own size into one of ours; what it lacks becomes zero. */
 pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *ours);
 
+/* The same where its size has been read: it is not read again, so that no more than `size` bytes
+ * are looked at even if another process or thread writes to that memory meanwhile. */
+pbf_status pbf_struct_in_sized(const pbf_struct_kind *kind, const void *theirs, uint32_t size,
+                               void *ours);
+
+/* The same of a saved state, which says once more, in another place, what size it has. */
+pbf_status pbf_struct_in_stored(const pbf_struct_kind *kind, const void *stored, uint32_t size,
+                                void *ours);
+
 /* Gives a caller a number; fails where `count` is null. */
 pbf_status pbf_count_out(uint32_t number, uint32_t *count);
 

@@ -60,9 +60,7 @@ static pbf_status check_head(const stored_head *stored, uint64_t size) {
 
 static pbf_status read_desc(const pbf_solver *solver, const stored_head *stored,
                             const unsigned char *at, pbf_diffuse_desc *desc) {
-  if (pbf_struct_size(at) != stored->desc_size)
-    return reject("contradicts itself in the size of a struct");
-  pbf_status status = pbf_struct_in(&pbf_kind_diffuse_desc, at, desc);
+  pbf_status status = pbf_struct_in_stored(&pbf_kind_diffuse_desc, at, stored->desc_size, desc);
   if (status == PBF_OK) status = pbf_diffuse_check(desc, solver->kind);
   if (status == PBF_OK && stored->head.count > desc->capacity)
     status = reject("has more diffuse particles than their capacity");

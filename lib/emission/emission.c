@@ -46,7 +46,8 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_em
       return pbf_fail(PBF_ERROR_STRUCT_SIZE,
                       "emitters[%u].struct_size is %u; it must be that of emitters[0], %u", i, size,
                       first);
-    pbf_status status = pbf_struct_in(&pbf_kind_emitter, emitter_at(theirs, i), &ours[i]);
+    pbf_status status =
+        pbf_struct_in_sized(&pbf_kind_emitter, emitter_at(theirs, i), size, &ours[i]);
     if (status == PBF_OK) status = pbf_emitter_check(&ours[i], i, solver->kind);
     if (status == PBF_OK) status = pbf_emitter_check_place(&ours[i], i, solver);
     if (status == PBF_OK && ours[i].phase >= pbf_phases_count(solver->phases))

@@ -121,7 +121,7 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_re
       return pbf_fail(PBF_ERROR_STRUCT_SIZE,
                       "reservoirs[%u].struct_size is %u; it must be that of reservoirs[0], %u", i,
                       pbf_struct_size(at), first);
-    pbf_status status = pbf_struct_in(&pbf_kind_reservoir, at, &ours[i]);
+    pbf_status status = pbf_struct_in_sized(&pbf_kind_reservoir, at, first, &ours[i]);
     if (status == PBF_OK) status = pbf_reservoir_check(&ours[i], i, solver->kind);
     if (status == PBF_OK) status = check_place(&ours[i], i, solver);
     if (status != PBF_OK) return status;

@@ -86,22 +86,14 @@ static pbf_status check_head(const stored_head *stored, uint64_t size) {
   return PBF_OK;
 }
 
-/* Structs at their stored sizes, by way of aligned memory. */
-static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *at, uint32_t size,
-                              void *ours) {
-  if (size < sizeof(uint32_t) || pbf_struct_size(at) != size)
-    return reject("contradicts itself in the size of a struct");
-  return pbf_struct_in(kind, at, ours);
-}
-
 static pbf_status read_sources(const pbf_solver *solver, const stored_head *stored,
                                const unsigned char **at, pbf_emission *e) {
   for (uint32_t i = 0; i < stored->head.source_count; ++i) {
     pbf_source *source = &e->sources[i];
     stored_source now;
     memcpy(&now, *at, sizeof now);
-    pbf_status status =
-        read_struct(&pbf_kind_emitter, *at + sizeof now, stored->emitter_size, &source->emitter);
+    pbf_status status = pbf_struct_in_stored(&pbf_kind_emitter, *at + sizeof now,
+                                             stored->emitter_size, &source->emitter);
     if (status == PBF_OK) status = pbf_emitter_check(&source->emitter, i, solver->kind);
     if (status != PBF_OK) return status;
     if (!(now.due >= 0 && now.due < 1)) return reject("has an emitter that is due never");
@@ -115,7 +107,8 @@ static pbf_status read_sources(const pbf_solver *solver, const stored_head *stor
 static pbf_status read_drains(const pbf_solver *solver, const stored_head *stored,
                               const unsigned char **at, pbf_emission *e) {
   for (uint32_t i = 0; i < stored->head.drain_count; ++i) {
-    pbf_status status = read_struct(&pbf_kind_volume, *at, stored->volume_size, &e->drains[i]);
+    pbf_status status =
+        pbf_struct_in_stored(&pbf_kind_volume, *at, stored->volume_size, &e->drains[i]);
     if (status == PBF_OK) status = pbf_volumes_check(solver->kind, "drains", 1, &e->drains[i]);
     if (status != PBF_OK) return status;
     *at += stored->volume_size;
@@ -152,7 +145,7 @@ static pbf_status read_reservoirs(const pbf_solver *solver, const stored_head *s
   const uint32_t count = stored->head.reservoir_count;
   for (uint32_t i = 0; i < count; ++i, at += bytes / count) {
     pbf_status status =
-        read_struct(&pbf_kind_reservoir, at, (uint32_t)(bytes / count), &e->reservoirs[i]);
+        pbf_struct_in_stored(&pbf_kind_reservoir, at, (uint32_t)(bytes / count), &e->reservoirs[i]);
     if (status == PBF_OK) status = pbf_reservoir_check(&e->reservoirs[i], i, solver->kind);
     if (status != PBF_OK) return status;
   }

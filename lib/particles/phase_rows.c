@@ -56,8 +56,7 @@ static pbf_status reject(void) {
 static pbf_status read_phases(const pbf_solver *solver, const stored_head *head,
                               const unsigned char *at, uint32_t count, pbf_phases *phases) {
   for (uint32_t i = 0; i < head->count; ++i, at += head->size) {
-    if (head->size < sizeof(uint32_t) || pbf_struct_size(at) != head->size) return reject();
-    pbf_status status = pbf_struct_in(&pbf_kind_phase, at, &phases->of[i]);
+    pbf_status status = pbf_struct_in_stored(&pbf_kind_phase, at, head->size, &phases->of[i]);
     if (status != PBF_OK) return status;
   }
   if (count > 0) memcpy(phases->rows, at, count);

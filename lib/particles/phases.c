@@ -79,7 +79,7 @@ static pbf_status copy_in(uint32_t count, const pbf_phase *theirs, pbf_phases *o
       return pbf_fail(PBF_ERROR_STRUCT_SIZE,
                       "phases[%u].struct_size is %u; it must be that of phases[0], %u", i,
                       pbf_struct_size(at), size);
-    pbf_status status = pbf_struct_in(&pbf_kind_phase, at, &ours->of[i]);
+    pbf_status status = pbf_struct_in_sized(&pbf_kind_phase, at, size, &ours->of[i]);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;

@@ -39,7 +39,7 @@ static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t c
                       "%s[%u].struct_size is %u; it must be that of %s[0], %u", name, i, size, name,
                       stride);
     }
-    pbf_status status = pbf_struct_in(&pbf_kind_collider, one, &ours[i]);
+    pbf_status status = pbf_struct_in_sized(&pbf_kind_collider, one, stride, &ours[i]);
     if (status == PBF_OK) status = pbf_collider_hold(&ours[i], name, i);
     if (status != PBF_OK) return status;
     ++*held;

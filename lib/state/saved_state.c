@@ -85,14 +85,6 @@ static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, u
                   in->header.count, solver->capacity);
 }
 
-/* A struct at its stored size, of which no byte beyond the buffer is looked at. */
-static pbf_status read_struct(const pbf_struct_kind *kind, const unsigned char *stored,
-                              uint32_t size, void *ours) {
-  if (size < sizeof(uint32_t) || pbf_struct_size(stored) != size)
-    return reject("contradicts itself in the size of a struct");
-  return pbf_struct_in(kind, stored, ours);
-}
-
 static int is_size(double number) { return isfinite(number) && number >= 0; }
 
 static int is_overlap_sound(const pbf_snapshot_header *header) {
@@ -109,8 +101,8 @@ static int is_overlap_sound(const pbf_snapshot_header *header) {
 }
 
 static pbf_status read_params(const pbf_solver *solver, pbf_saved_state *in) {
-  pbf_status status = read_struct(&pbf_kind_params, in->buffer + in->layout.params,
-                                  in->header.params_size, &in->params);
+  pbf_status status = pbf_struct_in_stored(&pbf_kind_params, in->buffer + in->layout.params,
+                                           in->header.params_size, &in->params);
   if (status != PBF_OK) return status;
   if ((in->header.kept >> PBF_KEPT_REST & 1) != (in->params.sleep_speed > 0))
     return reject("contradicts itself in what sleeps");
@@ -155,8 +147,8 @@ static pbf_status read_colliders(const pbf_solver *solver, pbf_saved_state *in) 
   for (uint32_t i = 0; i < in->header.collider_count; ++i) {
     const unsigned char *stored =
         in->buffer + in->layout.colliders + (uint64_t)i * in->header.collider_size;
-    pbf_status status =
-        read_struct(&pbf_kind_collider, stored, in->header.collider_size, &in->colliders[i]);
+    pbf_status status = pbf_struct_in_stored(&pbf_kind_collider, stored, in->header.collider_size,
+                                             &in->colliders[i]);
     if (status == PBF_OK) status = find_geometry(in, i);
     snprintf(label, sizeof label, "colliders[%u]", i);
     if (status == PBF_OK)
