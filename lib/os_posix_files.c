@@ -58,14 +58,16 @@ static int file_by_map(char *path, size_t size) {
 }
 
 /* The dynamic loader knows the name by which the library was opened, which may be relative to a
- * working directory long gone. */
+ * working directory long gone. A sandbox may deny to read links. */
 int pbf_os_own_folder(char *folder, size_t size) {
   Dl_info info;
   char path[PBF_OS_PATH_SIZE];
   if (!dladdr((void *)(uintptr_t)&pbf_os_own_folder, &info) || !info.dli_fname) return 0;
   const char *name = info.dli_fname;
   if (name[0] != '/') name = file_by_map(path, sizeof path) ? path : NULL;
-  if (!name || !pbf_os_resolve(name, folder, size)) return 0;
+  if (!name) return 0;
+  if (!pbf_os_resolve(name, folder, size) && snprintf(folder, size, "%s", name) >= (int)size)
+    return 0;
   *strrchr(folder, '/') = 0;
   return 1;
 }

@@ -1,5 +1,5 @@
 /* Linux, and what else has threads by POSIX. */
-#define _GNU_SOURCE /* secure_getenv, sched_getaffinity */
+#define _GNU_SOURCE /* secure_getenv, sched_getaffinity, syscall */
 #include "common/system.h"
 
 #include <errno.h>
@@ -9,6 +9,10 @@
 #include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
+
+#if defined(__linux__)
+#include <sys/syscall.h>
+#endif
 
 const char *pbf_environment(const char *name) {
 #if defined(__linux__)
@@ -92,6 +96,29 @@ static size_t usual_stack(const pthread_attr_t *attributes) {
   return pthread_attr_getstacksize(attributes, &usual) == 0 && usual > LEAST ? usual : LEAST;
 }
 
+#if defined(__linux__) && defined(SYS_rseq)
+
+/* 1 where the kernel has restartable sequences and this process may ask for them: what is asked for
+ * here is invalid. */
+static int has_sequences(void) {
+  const int before = errno;
+  const int has = syscall(SYS_rseq, NULL, 0, 0, 0) != 0 && errno == EINVAL;
+  errno = before;
+  return has;
+}
+
+/* The C library has each thread ask for them, and ends the process where the first one got them and
+ * a later one does not: in a sandbox that has denied the call since. */
+static int had_sequences;
+__attribute__((constructor)) static void see_sequences(void) { had_sequences = has_sequences(); }
+static int threads_would_begin(void) { return !had_sequences || has_sequences(); }
+
+#else
+
+static int threads_would_begin(void) { return 1; }
+
+#endif
+
 static void leave_as_before(sigset_t *blocked, const sigset_t *before, int signal) {
   if (!sigismember(before, signal)) sigdelset(blocked, signal);
 }
@@ -121,7 +148,7 @@ int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_byte
                      void *(*run)(void *), void *user) {
   sigset_t blocked, before;
   pthread_attr_t attributes;
-  if (pthread_attr_init(&attributes) != 0) return 0;
+  if (!threads_would_begin() || pthread_attr_init(&attributes) != 0) return 0;
   if (!stack_bytes) stack_bytes = usual_stack(&attributes);
   pthread_attr_setstacksize(&attributes, stack_bytes);
   sigfillset(&blocked);

@@ -66,8 +66,11 @@ static pbf_status check_header(image *it) {
   if (it->size == 0) return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "it is empty");
   size_t there = it->size < sizeof *h ? (size_t)it->size : sizeof *h;
   if (!pbf_image_read(it, h, there, 0))
-    return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "can't read it: %s",
-                             strerror(errno));
+    return errno ? pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE, "can't read it: %s",
+                                     strerror(errno))
+                 : pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE,
+                                     "it has fewer bytes than the system says, %llu",
+                                     (unsigned long long)it->size);
   if (there < SELFMAG || memcmp(h->e_ident, ELFMAG, SELFMAG) != 0)
     return pbf_plugin_refuse(it->plugin, PBF_ERROR_UNAVAILABLE,
                              "it is no shared object: it does not begin as an ELF file");

@@ -139,6 +139,34 @@ static void stacks_and_memory_stay_as_they_are(void **state) {
   forbid_in_each(SYS_rt_sigprocmask);
 }
 
+static void threads_may_not_register(void **state) {
+  (void)state;
+  if (TEST_INSTRUMENTED) test_skip("a sanitizer's runtime has threads of its own");
+#if defined(SYS_rseq)
+  forbid_in_each(SYS_rseq);
+#else
+  test_skip("there are no restartable sequences");
+#endif
+}
+
+static int found_without_links(void) {
+#if defined(SYS_readlink)
+  if (!forbid(SYS_readlink, 0)) return SKIPPED;
+#endif
+  if (!forbid(SYS_readlinkat, 0)) return SKIPPED;
+  pbf_solver *solver = make("serial");
+  if (!solver) return 2;
+  pbf_destroy(solver);
+  return 0;
+}
+
+static void assert_child(int (*run)(void));
+
+static void links_may_not_be_read(void **state) {
+  (void)state;
+  assert_child(found_without_links);
+}
+
 #else
 
 static void threads_may_not_wait(void **state) {
@@ -148,6 +176,8 @@ static void threads_may_not_wait(void **state) {
 
 static void processes_have_no_number(void **state) { threads_may_not_wait(state); }
 static void stacks_and_memory_stay_as_they_are(void **state) { threads_may_not_wait(state); }
+static void threads_may_not_register(void **state) { threads_may_not_wait(state); }
+static void links_may_not_be_read(void **state) { threads_may_not_wait(state); }
 
 #endif
 
@@ -299,6 +329,8 @@ int main(int count, char **arguments) {
       cmocka_unit_test(threads_may_not_wait),
       cmocka_unit_test(processes_have_no_number),
       cmocka_unit_test(stacks_and_memory_stay_as_they_are),
+      cmocka_unit_test(threads_may_not_register),
+      cmocka_unit_test(links_may_not_be_read),
       cmocka_unit_test(callers_by_turns_have_one_pool),
       cmocka_unit_test(more_threads_than_processors),
       cmocka_unit_test(stacks_without_room),

@@ -186,6 +186,11 @@ static void device(void) {
   check_fails(pbf_load_backend("/dev/zero"), PBF_ERROR_UNAVAILABLE, "not a regular file");
   check_fails(pbf_load_backend("/proc/self/mem"), PBF_ERROR_UNAVAILABLE, "/proc/self/mem: ");
   check_fails(pbf_load_backend("/proc/self/status"), PBF_ERROR_UNAVAILABLE, "it is empty");
+  /* As a file that is cut short between two looks at it. */
+  static const char said_to_be_a_page[] = "/sys/devices/system/cpu/possible";
+  if (access(said_to_be_a_page, R_OK) == 0)
+    check_fails(pbf_load_backend(said_to_be_a_page), PBF_ERROR_UNAVAILABLE,
+                "it has fewer bytes than the system says, ");
 }
 
 static void files_of_the_system(void **state) {
