@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, Union
 
 from ._errors import DataError
+from ._numbers import shown
 
 Schema = Union[bool, Mapping[str, Any]]
 Path = tuple[Union[str, int], ...]
@@ -55,12 +56,16 @@ def _shown(value: Any) -> str:
     try:
         text = json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError):
-        text = repr(value)
+        text = shown(value)
     return text if len(text) <= 60 else text[:60] + "…"
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    try:
+        return (isinstance(value, (int, float)) and not isinstance(value, bool)
+                and math.isfinite(value))
+    except OverflowError:  # an integer that no float holds
+        return False
 
 
 def _is_integer(value: Any) -> bool:

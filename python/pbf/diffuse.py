@@ -7,7 +7,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import AnyArray, numpy_of, pointer, rows_of
+from ._arrays import AnyArray, numpy_of, pointer, real_numbers, rows_of
 from ._errors import InvalidArgumentError
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -146,7 +146,7 @@ class DiffuseOf(Handle):
         """Adds some of your own; without velocities at rest. `lives`: one number, or one for
         each."""
         places = rows_of("positions", positions, self.dimension, self.dtype)
-        given = numpy_of("lives", lives)
+        given = real_numbers("lives", numpy_of("lives", lives))
         if given.ndim > 1 or (given.ndim == 1 and len(given) != len(places)):
             raise InvalidArgumentError(
                 f"lives has the shape {given.shape}; it must be one number, or {len(places)}")

@@ -1,12 +1,14 @@
 """Positions of particles that fill a shape, `spacing` apart and half of that off its faces."""
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError
+from ._library import lib
 from ._numbers import Vector, real, reals, uint32
 from .geometry import Geometry
 
@@ -27,6 +29,10 @@ def fill_lattice(first: Vector, counts: Sequence[int], spacing: float) -> Positi
     if len(counts) != len(start):
         raise InvalidArgumentError(f"counts is {counts!r}; it must have as many numbers as first")
     numbers = [uint32(f"counts[{i}]", count) for i, count in enumerate(counts)]
+    if math.prod(numbers) > lib.PBF_MAX_CAPACITY:
+        raise InvalidArgumentError(
+            f"counts is {counts!r}, which is {math.prod(numbers)} particles; at most "
+            f"{lib.PBF_MAX_CAPACITY} fit into a solver")
     axes = [x + spacing * np.arange(n) for x, n in zip(start, numbers)]
     grid = np.meshgrid(*reversed(axes), indexing="ij")  # the last axis runs slowest
     return np.stack([axis.reshape(-1) for axis in reversed(grid)], axis=1)

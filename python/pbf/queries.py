@@ -153,7 +153,7 @@ class Queries(Handle):
     def _samples(self, shape: tuple[int, ...], fields: Iterable[str]) -> tuple[Any, Samples]:
         wanted = (fields,) if isinstance(fields, str) else tuple(fields)
         for field in wanted:
-            if field not in FIELDS:
+            if not isinstance(field, str) or field not in FIELDS:
                 raise InvalidArgumentError(f"fields has {field!r}; each must be one of {FIELDS}")
         density, pressure = (np.empty(shape) if field in wanted else None
                              for field in ("density", "pressure"))
@@ -198,7 +198,12 @@ class Queries(Handle):
                   length: float = float("inf")) -> Hits:
         """Where rays first meet the surface: arrays of shape (…, dimension)."""
         x, to = self._points("origins", origins), self._points("directions", directions)
-        x, to = (np.ascontiguousarray(each) for each in np.broadcast_arrays(x, to))
+        try:
+            x, to = (np.ascontiguousarray(each) for each in np.broadcast_arrays(x, to))
+        except ValueError:
+            raise InvalidArgumentError(
+                f"origins has the shape {x.shape} and directions {to.shape}; they must fit each "
+                "other") from None
         distances, normals = np.empty(x.shape[:-1]), np.empty(x.shape)
         self._call(lib.pbf_cast_rays, uint32("the number of rays", distances.size), _array(x),
                    _array(to), real("length", length), _array(distances), _array(normals))

@@ -236,11 +236,34 @@ def load_scene(source: Union[str, os.PathLike[str], Mapping[str, Any]]) -> Scene
                                        'pbf.scenes() lists them, and a file\'s name ends in ".json"')
         path = _FOLDER / f"{name}.json"
     try:
-        return _scene_of(json.loads(path.read_text(encoding="utf-8")), path.stem, path.parent)
-    except json.JSONDecodeError as error:
-        raise DataError(f"{path}: line {error.lineno}: {error.msg}") from None
+        return _scene_of(_parsed(path.read_bytes()), path.stem, path.parent)
     except Error as error:
         raise DataError(f"{path}: {error}") from None
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of a file, in which Python would take the last of two values of a key."""
+    item = dict(pairs)
+    if len(item) < len(pairs):
+        twice = next(key for i, (key, _) in enumerate(pairs) if key in dict(pairs[:i]))
+        raise DataError(f"the key {json.dumps(twice)} stands twice in one object")
+    return item
+
+
+def _parsed(data: bytes) -> Any:
+    """Of whatever bytes a file holds."""
+    try:
+        return json.loads(data.decode("utf-8-sig"), object_pairs_hook=_once)
+    except json.JSONDecodeError as error:
+        raise DataError(f"line {error.lineno}: {error.msg}") from None
+    except UnicodeDecodeError as error:
+        raise DataError(f"byte {error.start} is not of a text in UTF-8") from None
+    except RecursionError:
+        raise DataError("it is nested far deeper than a scene is") from None
+    except Error:
+        raise
+    except ValueError:  # of integers of thousands of digits
+        raise DataError("a number has more digits than Python reads") from None
 
 
 def _typed(values: Mapping[str, Any]) -> ParamValues:

@@ -54,5 +54,8 @@ def test_refusals(make):
     fluid.diffuse = fluid.default_diffuse()
     with pytest.raises(pbf.InvalidArgumentError, match="lives has the shape"):
         fluid.add_diffuse([[0.5, 0.5, 0.5]], [1, 2])
+    for lives in ("long", [10**400], [1j]):
+        with pytest.raises(pbf.InvalidArgumentError, match="lives holds .*must hold real numbers"):
+            fluid.add_diffuse([[0.5, 0.5, 0.5]], lives)
     with pytest.raises(pbf.InvalidArgumentError, match="way"):
         fluid.shift_diffuse((1, 2))

@@ -38,6 +38,8 @@ def test_points(dam, rng):
         dam.sample([[0.5, 0.5]])
     with pytest.raises(pbf.InvalidArgumentError, match="speed"):
         dam.sample(points, ["speed"])
+    with pytest.raises(pbf.InvalidArgumentError, match="fields has array"):
+        dam.sample(points, [np.zeros(2)])
 
 
 def test_grids(dam):
@@ -55,5 +57,7 @@ def test_surfaces(dam):
     assert hits.normals[0] == pytest.approx((0, 1, 0), abs=0.02)
     levels = dam.levels([[0.25, 7, 0.25], [0.9, 0, 0.9]])
     assert levels[0] == pytest.approx(0.5, abs=0.0125) and np.isnan(levels[1])
+    with pytest.raises(pbf.InvalidArgumentError, match="must fit each other"):
+        dam.cast_rays(np.zeros((2, 3)), np.ones((4, 3)))
     dam.end_queries()
     assert dam.levels((0.25, 0, 0.25)) == pytest.approx(levels[0])

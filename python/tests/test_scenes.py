@@ -129,13 +129,17 @@ def change(path, value):
     (change(["shapes"], {"cup": {"from": "baked", "file": "bad.json"}}),
      "/shapes/cup/file: .*bad.json: the saved shape does not begin as one")])
 def test_bad_files_say_what_is_wrong(changed, words, tmp_path):
-    scene = json.loads((pathlib.Path(pbf.__file__).parent / "scenes/dam-break-3d.json").read_text())
+    scene = dam_break()
     changed(scene)
     path = tmp_path / "bad.json"
     path.write_text(json.dumps(scene))
     with pytest.raises(pbf.DataError, match=words) as caught:
         pbf.load_scene(path)
     assert "bad.json" in str(caught.value)
+
+
+def dam_break():
+    return json.loads((pathlib.Path(pbf.__file__).parent / "scenes/dam-break-3d.json").read_text())
 
 
 def with_shape(shape, dimension=3):
@@ -260,3 +264,37 @@ def test_files_that_are_none(tmp_path):
         pbf.load_scene("dam-brake-3d")
     with pytest.raises(FileNotFoundError):
         pbf.load_scene("nowhere.json")
+
+
+@pytest.mark.parametrize("text, words", [
+    ("[" * 100000, "nested far deeper"), ("[" * 100000 + "]" * 100000, "nested far deeper"),
+    (b'{"a": "\xc3"}', "byte 7 is not of a text in UTF-8"), ("1" * 5000, "more digits than"),
+    ('{"steps": 3, "steps": 4}', 'the key "steps" stands twice'),
+    ('{"a": {"b\\u0000": 3, "b\\u0000": 4}}', "stands twice")])
+def test_bytes_that_are_no_scene(text, words, tmp_path):
+    path = tmp_path / "bad.json"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(pbf.DataError, match=words):
+        pbf.load_scene(path)
+
+
+@pytest.mark.parametrize("path", [["steps"], ["capacity"], ["params", "smoothing_radius"],
+                                  ["params", "gravity", 1], ["blocks", 0, "max", 0]])
+def test_integers_that_no_float_holds(path):
+    scene = dam_break()
+    change(path, 10**400)(scene)
+    with pytest.raises(pbf.DataError, match="/" + "/".join(map(str, path)) + ": the value is 1000"):
+        pbf.load_scene(scene)
+
+
+def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "marked.json"
+    path.write_text(json.dumps(dam_break()), encoding="utf-8-sig")
+    assert pbf.load_scene(path).steps == dam_break()["steps"]
+
+
+def test_blocks_of_more_than_fit_are_refused_before_they_are_filled():
+    scene = dam_break()
+    scene["blocks"] = [{"shape": "lattice", "first": [0, 0, 0], "counts": [2000, 2000, 2000]}]
+    with pytest.raises(pbf.InvalidArgumentError, match="8000000000 particles; at most 1073741823"):
+        pbf.load_scene(scene).particles()
