@@ -352,6 +352,7 @@ internal static partial class Binding
             QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
             FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
             TheCollectorRunsInALogOfBegunSteps, ALogOfBegunStepsDisposes, ViewsAreDroppedBesideCalls, OfTwoThreadsOneGivesBack,
+            ASnapshotIsCopiedUntilItIsGivenBack,
             WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall
         })
         {

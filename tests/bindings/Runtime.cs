@@ -1,5 +1,6 @@
 // What the runtime does beside the library: its collector, its signals, its threads.
 using System;
+using System.Collections.Generic;
 using System.Runtime.CompilerServices;
 using System.Threading;
 using Pbf;
@@ -103,6 +104,40 @@ internal static partial class Binding
                 }
             }
         }
+    }
+
+    private static void CopyUntilItIsGone(Snapshot snapshot, List<Exception> failures)
+    {
+        var into = new float[6];
+        try
+        {
+            while (true)
+            {
+                snapshot.CopyPositions(into);
+                if (into[0] != .5f || into[3] != .6f) throw new Exception($"a snapshot has {into[0]} and {into[3]}");
+            }
+        }
+        catch (ObjectDisposedException) { }
+        catch (Exception failure) { lock (failures) failures.Add(failure); }
+    }
+
+    private static void ASnapshotIsCopiedUntilItIsGivenBack()
+    {
+        var failures = new List<Exception>();
+        using (var fluid = Filled())
+        {
+            fluid.SetSnapshots(3);
+            for (int i = 0; i < 300; ++i)
+            {
+                var snapshot = fluid.TakeSnapshot();
+                var threads = new[] { new Thread(() => CopyUntilItIsGone(snapshot, failures)), new Thread(() => CopyUntilItIsGone(snapshot, failures)) };
+                foreach (var thread in threads) thread.Start();
+                Thread.Yield();
+                snapshot.Dispose();
+                foreach (var thread in threads) thread.Join();
+            }
+        }
+        if (failures.Count > 0) throw failures[0];
     }
 
     private static void OfTwoThreadsOneGivesBack()

@@ -146,6 +146,13 @@ return function(solver, near, refused)
     refused(wrong, "directions has 0 rows, origins 1", fluid.cast_rays, fluid, { 1, 2, 3 }, {})
     refused(wrong, "volumes[1].shape is cone; known are: box, sphere, capsule", fluid.measure, fluid, { { shape = "cone" } })
     refused(wrong, "positions has 30 numbers, and 33 are wanted", fluid.set_positions, fluid, ffi.new("float[30]"), 0, 11)
+    local function give(values) fluid:set_velocities(values, 0, 2) end
+    for _, other in ipairs { 8LL, require("pbf").params(), ffi.new("float *[6]"), ffi.typeof("float[6]"), ffi.new("struct { float x[6]; }") } do
+      refused(wrong, "it must be an array of float, or a pointer", give, other)
+    end
+    refused(wrong, "velocities holds double; it must hold float", give, ffi.new("double[6]") + 0)
+    local six, rows, member = ffi.new("float[6]", 1), ffi.new("float[2][3]"), ffi.new("struct { float x[6]; }")
+    for _, fine in ipairs { six, six + 0, ffi.cast("const float *", six), ffi.cast("void *", six), rows, rows + 0, member.x } do give(fine) end
   end
 
   function tests.as_much_comes_as_the_rate_says()

@@ -99,13 +99,20 @@ local function flat(values)
   return numbers
 end
 
--- Of a pointer nothing is known; an array of C tells what it holds, and how much.
+-- An array of C tells what it holds, and how much; a pointer only what, unless it is of void. LuaJIT would take the
+-- address of a struct, and an integer for one.
 local function fits(what, element, values, numbers)
-  local holds = tostring(ffi.typeof(values)):match("^ctype<(.-) %[")
-  if not holds then return end
+  local kind = tostring(ffi.typeof(values)):gsub("^ctype<", ""):gsub(">$", ""):gsub("const ", "")
+  local plain = kind:gsub("%(&%)", ""):gsub("%(%*%)%[.*$", "*") -- what a field is, and a pointer to rows
+  local holds, mark = plain:match("^(.-) ([%[*])")
+  if not holds or plain:find("%*.") or tostring(values):find("^ctype<") then
+    invalid("%s is a %s; it must be an array of %s, or a pointer", what, kind, element)
+  end
+  if mark == "*" and holds == "void" then return end
   if not (holds == element or (element == "uint32_t" and holds == "unsigned int")) then
     invalid("%s holds %s; it must hold %s", what, holds, element)
   end
+  if mark == "*" then return end
   local has = ffi.sizeof(values) / ffi.sizeof(element)
   if has < numbers then invalid("%s has %d numbers, and %d are wanted", what, has, numbers) end
 end
