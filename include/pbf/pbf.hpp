@@ -683,11 +683,12 @@ inline std::exception_ptr taken(log_target &log) noexcept {
 /* A mapped field; unmapped when it goes. Calls that change the particles are refused until then. */
 class view {
  public:
-  view(view &&) noexcept = default;
-  view &operator=(view &&other) noexcept {
-    view gone(std::move(*this));
-    owner_ = std::move(other.owner_);
-    raw_ = other.raw_;
+  view(view &&other) noexcept
+      : owner_(std::move(other.owner_)),
+        raw_(std::exchange(other.raw_, detail::sized<pbf_view>())) {}
+  view &operator=(view other) noexcept {
+    std::swap(owner_, other.owner_);
+    std::swap(raw_, other.raw_);
     return *this;
   }
   ~view() {
@@ -781,9 +782,8 @@ class solver {
   static result<solver> create(const desc &wanted = desc(), const params &start = params());
 
   solver(solver &&) noexcept = default;
-  solver &operator=(solver &&other) noexcept {
-    solver gone(std::move(*this));
-    owner_ = std::move(other.owner_);
+  solver &operator=(solver other) noexcept {
+    std::swap(owner_, other.owner_);
     return *this;
   }
   ~solver() {

@@ -13,6 +13,30 @@ static void moved_from_is_refused(void **) {
   done(fluid.step());
 }
 
+template <class T>
+static void move_to(T &to, T &from) {
+  to = std::move(from);
+}
+
+/* As algorithms may that exchange the elements of a container. */
+static void what_is_moved_to_itself_stays(void **) {
+  auto fluid = filled();
+  move_to(fluid, fluid);
+  done(fluid.set_snapshots(2));
+  done(fluid.step());
+  auto snapshot = given(fluid.acquire_snapshot());
+  move_to(snapshot, snapshot);
+  assert_int_equal(snapshot.size(), 2);
+  auto view = given(fluid.map(PBF_FIELD_POSITION));
+  move_to(view, view);
+  assert_refused(fluid.step(), PBF_ERROR_STATE, "map");
+  assert_int_equal(view.size(), 2);
+  const auto other = std::move(view);
+  assert_int_equal(view.size(), 0);  // NOLINT
+  assert_true(view.raw().data == nullptr && view.ids().empty());
+  assert_int_equal(other.size(), 2);
+}
+
 static void views_block_steps_and_outlive_solvers(void **) {
   std::vector<pbf::view> kept;
   {
@@ -75,6 +99,7 @@ static void memory_that_is_short_is_an_error(void **) {
 int lifetimes() {
   const CMUnitTest tests[] = {
       cmocka_unit_test_teardown(moved_from_is_refused, nothing_live),
+      cmocka_unit_test_teardown(what_is_moved_to_itself_stays, nothing_live),
       cmocka_unit_test_teardown(views_block_steps_and_outlive_solvers, nothing_live),
       cmocka_unit_test_teardown(snapshots_outlive_solvers, nothing_live),
       cmocka_unit_test_teardown(readers_outlive_solvers, nothing_live),
