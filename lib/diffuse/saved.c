@@ -51,7 +51,8 @@ static pbf_status check_head(const stored_head *stored, uint64_t size) {
   const pbf_diffuse_head *head = &stored->head;
   if (stored->particle_size != sizeof(pbf_diffuse_particle) || stored->desc_size > size ||
       stored->desc_size < sizeof(uint32_t) || head->count > PBF_MAX_DIFFUSE ||
-      head->reserved != 0 || head->next_id < head->count || size_of(stored) != size)
+      head->reserved != 0 || head->next_id < head->count || head->next_id >> 63 ||
+      size_of(stored) != size)
     return reject("contradicts itself in its diffuse particles");
   if (!isfinite(head->time) || !(head->due >= 0 && head->due < 1))
     return reject("has diffuse particles of no time");

@@ -261,7 +261,6 @@ static void bad_calls_are_refused(void **state) {
   pbf_destroy(s);
 }
 
-/* A forged state is none that pbf_save wrote. */
 /* Also where the time is so long that they are nothing beside it. */
 static void lives_are_above_0(void **state) {
   (void)state;
@@ -282,6 +281,28 @@ static void lives_are_above_0(void **state) {
   pbf_destroy(s);
 }
 
+/* As many as make their ids begin anew soon, and then no state of theirs could be loaded. */
+static void ids_do_not_end(void **state) {
+  (void)state;
+  enum { NEXT_ID = 24 }; /* behind count, 4 bytes, a time and a part */
+  pbf_solver *s = splash(3, PBF_FLOAT32, 1), *other = splash(3, PBF_FLOAT32, 0);
+  const uint64_t last = UINT64_MAX;
+  uint64_t size, without;
+  assert_ok(pbf_step(s, 3));
+  assert_ok(pbf_step(other, 3));
+  add_one(s, 3, PBF_FLOAT32, start, throw, 1);
+  free(test_save(other, &without));
+  unsigned char *saved = test_save(s, &size), *next_id = saved + without - 8 + NEXT_ID;
+  assert_true(next_id[0] == read_one(s).id + 1);
+  memcpy(next_id, &last, sizeof last);
+  test_seal(saved, size);
+  assert_fails(pbf_load(other, saved, size), PBF_ERROR_DATA, "diffuse particles");
+  free(saved);
+  pbf_destroy(s);
+  pbf_destroy(other);
+}
+
+/* A forged state is none that pbf_save wrote. */
 static void forged_states_are_refused(void **state) {
   (void)state;
   pbf_solver *s = splash(3, PBF_FLOAT32, 1), *other = splash(3, PBF_FLOAT32, 0);
@@ -323,6 +344,7 @@ int main(void) {
       cmocka_unit_test(bad_descs_are_refused),
       cmocka_unit_test(bad_calls_are_refused),
       cmocka_unit_test(lives_are_above_0),
+      cmocka_unit_test(ids_do_not_end),
       cmocka_unit_test(forged_states_are_refused),
   };
   return TEST_RUN(tests);
