@@ -96,10 +96,19 @@ static size_t usual_stack(const pthread_attr_t *attributes) {
   return pthread_attr_getstacksize(attributes, &usual) == 0 && usual > LEAST ? usual : LEAST;
 }
 
-#if defined(__linux__) && defined(SYS_rseq)
+/* Since its version 2.35 glibc has each thread ask for restartable sequences, and ends the process
+ * where the first one got them and a later one does not: in a sandbox that has denied the call
+ * since. */
+#if defined(__GLIBC__) && defined(SYS_rseq)
+#define ASKS_FOR_SEQUENCES __GLIBC_PREREQ(2, 35)
+#else
+#define ASKS_FOR_SEQUENCES 0
+#endif
 
-/* 1 where the kernel has restartable sequences and this process may ask for them: what is asked for
- * here is invalid. */
+#if ASKS_FOR_SEQUENCES
+
+/* 1 where the kernel has them and this process may ask for them: what is asked for here is invalid.
+ */
 static int has_sequences(void) {
   const int before = errno;
   const int has = syscall(SYS_rseq, NULL, 0, 0, 0) != 0 && errno == EINVAL;
@@ -107,9 +116,7 @@ static int has_sequences(void) {
   return has;
 }
 
-/* The C library has each thread ask for them, and ends the process where the first one got them and
- * a later one does not: in a sandbox that has denied the call since. */
-static int had_sequences;
+static int had_sequences; /* when this was loaded */
 __attribute__((constructor)) static void see_sequences(void) { had_sequences = has_sequences(); }
 static int threads_would_begin(void) { return !had_sequences || has_sequences(); }
 
