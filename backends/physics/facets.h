@@ -22,14 +22,21 @@ typedef struct pbf_facets {
   pbf_facet of[PBF_DIM];
 } pbf_facets;
 
-/* Distance and normal at a place, and whether one plane alone is nearest there. */
-PBF_FN pbf_real pbf_look_at_field(const pbf_surface *s, pbf_vec x, pbf_vec *normal, int *is_plane) {
+/* Distance and normal at a place, and whether one plane alone is nearest there; of one that is
+ * farther than `enough` only that it is. */
+PBF_FN pbf_real pbf_look_within(const pbf_surface *s, pbf_vec x, pbf_real enough, pbf_vec *normal,
+                                int *is_plane) {
   pbf_vec n;
   pbf_real steepness;
-  const pbf_real distance = pbf_field_look(s, pbf_sub(x, s->center), &n, &steepness);
+  if (s->sign < 0) enough = (pbf_real)INFINITY;
+  const pbf_real distance = pbf_field_look(s, pbf_sub(x, s->center), enough, &n, &steepness);
   for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
   *is_plane = steepness > (pbf_real)0.95;
   return s->sign * distance;
+}
+
+PBF_FN pbf_real pbf_look_at_field(const pbf_surface *s, pbf_vec x, pbf_vec *normal, int *is_plane) {
+  return pbf_look_within(s, x, (pbf_real)INFINITY, normal, is_plane);
 }
 
 /* The tangent plane nearest to x of what has such a normal at y, `distance` from there: seen from
@@ -117,7 +124,7 @@ PBF_FN_SELDOM void pbf_find_facets(const pbf_surface *s, pbf_real reach, pbf_rea
   pbf_vec normal, at_x;
   int is_plane;
   facets->count = 0;
-  facets->nearest = pbf_look_at_field(s, x, &normal, &is_plane);
+  facets->nearest = pbf_look_within(s, x, reach, &normal, &is_plane);
   if (facets->nearest > reach) return;
   at_x = normal;
   pbf_take_facets_at(s, x, x, facets->nearest, normal, is_plane, 1, facets);
@@ -126,8 +133,9 @@ PBF_FN_SELDOM void pbf_find_facets(const pbf_surface *s, pbf_real reach, pbf_rea
   while (facets->count && facets->count < PBF_DIM) {
     const pbf_vec y = pbf_add_scaled(x, out, away);
     const int before = facets->count;
-    const pbf_real distance = pbf_look_at_field(s, y, &normal, &is_plane);
-    if (!(distance < facets->nearest + (pbf_real)0.9 * out)) break;
+    const pbf_real none = facets->nearest + (pbf_real)0.9 * out;
+    const pbf_real distance = pbf_look_within(s, y, none, &normal, &is_plane);
+    if (!(distance < none)) break;
     pbf_take_facets_at(s, x, y, distance, normal, is_plane, 0, facets);
     if (facets->count == before) break;
     for (int k = before; k < facets->count; ++k)

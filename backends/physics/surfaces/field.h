@@ -44,32 +44,52 @@ PBF_FN uint64_t pbf_field_nodes_around(const pbf_shape *f, pbf_vec place, pbf_sp
   return first;
 }
 
-/* The distance, and its slopes, lengths over lengths. */
+/* What a row of three nodes has a part in: the distance, and its slope along each axis. */
+typedef struct pbf_field_weights {
+  pbf_real of[1 + PBF_DIM];
+} pbf_field_weights;
+
+/* Of row j. */
+PBF_FN pbf_field_weights pbf_field_row_weights(const pbf_spline along[PBF_DIM], int j,
+                                               pbf_real inverse) {
+  const int row[2] = {j % 3, j / 3};
+  pbf_field_weights weights = {{1}};
+  for (int k = 1; k < PBF_DIM; ++k) weights.of[0] *= along[k].weight[row[k - 1]];
+  weights.of[1] = inverse * weights.of[0];
+  for (int k = 1; k < PBF_DIM; ++k) {
+    pbf_real across = along[k].slope[row[k - 1]];
+    for (int a = 1; a < PBF_DIM; ++a)
+      if (a != k) across *= along[a].weight[row[a - 1]];
+    weights.of[1 + k] = inverse * across;
+  }
+  return weights;
+}
+
+/* The distance, and its slopes, lengths over lengths: what compilers make vectors of, all rows at
+ * once and then all sums. */
 PBF_FN pbf_real pbf_field_interpolated(const pbf_shape *f, pbf_vec place, pbf_vec *slope) {
   pbf_spline along[PBF_DIM];
   uint64_t stride[PBF_DIM];
   const float *first = f->values + pbf_field_nodes_around(f, place, along, stride);
   const pbf_real inverse = (pbf_real)(1 / f->cell);
-  pbf_real value = 0;
-  for (int k = 0; k < PBF_DIM; ++k) slope->c[k] = 0;
+  pbf_real nodes[3][PBF_FIELD_ROWS], here[PBF_FIELD_ROWS], rise[PBF_FIELD_ROWS];
+  pbf_real sums[1 + PBF_DIM] = {0};
   for (int j = 0; j < PBF_FIELD_ROWS; ++j) {
-    const int row[2] = {j % 3, j / 3};
-    const float *at = first;
-    pbf_real here = 0, rise = 0, weight = 1;
-    for (int k = 1; k < PBF_DIM; ++k) at += (uint64_t)row[k - 1] * stride[k];
-    for (int k = 1; k < PBF_DIM; ++k) weight *= along[k].weight[row[k - 1]];
-    for (int i = 0; i < 3; ++i) here += along[0].weight[i] * (pbf_real)at[i];
-    for (int i = 0; i < 3; ++i) rise += along[0].slope[i] * (pbf_real)at[i];
-    value += weight * here;
-    slope->c[0] += inverse * weight * rise;
-    for (int k = 1; k < PBF_DIM; ++k) {
-      pbf_real across = along[k].slope[row[k - 1]];
-      for (int a = 1; a < PBF_DIM; ++a)
-        if (a != k) across *= along[a].weight[row[a - 1]];
-      slope->c[k] += inverse * across * here;
-    }
+    const float *at = first + (uint64_t)(j % 3) * stride[1];
+    if (PBF_DIM == 3) at += (uint64_t)(j / 3) * stride[PBF_DIM - 1];
+    for (int i = 0; i < 3; ++i) nodes[i][j] = (pbf_real)at[i];
   }
-  return value;
+  for (int j = 0; j < PBF_FIELD_ROWS; ++j) {
+    here[j] = rise[j] = 0;
+    for (int i = 0; i < 3; ++i) here[j] += along[0].weight[i] * nodes[i][j];
+    for (int i = 0; i < 3; ++i) rise[j] += along[0].slope[i] * nodes[i][j];
+  }
+  for (int j = 0; j < PBF_FIELD_ROWS; ++j) {
+    const pbf_field_weights weights = pbf_field_row_weights(along, j, inverse);
+    for (int k = 0; k <= PBF_DIM; ++k) sums[k] += weights.of[k] * (k == 1 ? rise : here)[j];
+  }
+  for (int k = 0; k < PBF_DIM; ++k) slope->c[k] = sums[1 + k];
+  return sums[0];
 }
 
 /* Nothing of the solid is nearer than the hypotenuse of the way to the grid and of the distance
@@ -118,10 +138,10 @@ PBF_FN pbf_vec pbf_field_place(const pbf_surface *s, pbf_vec p) {
 PBF_FN_SELDOM pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
   pbf_real steepness = pbf_real_sqrt(pbf_dot(slope, slope));
   if (!(steepness > 0)) slope.c[0] = steepness = 1;
+  for (int row = 0; row < PBF_DIM; ++row) slope.c[row] /= steepness;
   for (int k = 0; k < PBF_DIM; ++k) {
     normal->c[k] = 0;
-    for (int row = 0; row < PBF_DIM; ++row)
-      normal->c[k] += s->frame[row].c[k] * (slope.c[row] / steepness);
+    for (int row = 0; row < PBF_DIM; ++row) normal->c[k] += s->frame[row].c[k] * slope.c[row];
   }
   return steepness;
 }
@@ -138,9 +158,10 @@ PBF_FN_SELDOM pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf_v
 }
 
 /* Past the grid: what is nearest to its border is about nearest there, too, or the plane that it is
- * on, if that goes on to there. */
+ * on, if that goes on to there. The plane is never the farther one: which of both it is need not be
+ * known where even the plane is farther than `enough`. */
 PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
-                                   pbf_field_nearest *nearest) {
+                                   pbf_real enough, pbf_field_nearest *nearest) {
   pbf_vec foot, way, ignored;
   pbf_real ignored2, steepness = pbf_real_sqrt(pbf_dot(nearest->slope, nearest->slope));
   if (!(steepness > 0)) steepness = 1;
@@ -148,7 +169,7 @@ PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec bey
   const pbf_real plane = nearest->distance + pbf_dot(beyond, normal);
   way = pbf_add_scaled(beyond, nearest->distance, normal);
   const pbf_real point = pbf_real_sqrt(pbf_dot(way, way));
-  if (plane < (pbf_real)0.9999 * point) {
+  if (plane < (pbf_real)0.9999 * point && !(plane > enough)) {
     const pbf_real cell = pbf_field_cell(s);
     foot = pbf_add_scaled(at, -plane / cell, normal);
     const pbf_real off = pbf_field_nearest_to(s, foot, &ignored, &ignored2).distance;
@@ -162,14 +183,14 @@ PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec bey
 }
 
 /* The distance, also where that may be more than what something else of it has, the normal, and how
- * steep it is. */
-PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_vec *normal,
-                                      pbf_real *steepness) {
+ * steep it is. Farther than `enough` it is only known to be so. */
+PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_real enough,
+                                      pbf_vec *normal, pbf_real *steepness) {
   pbf_vec beyond;
   pbf_real beyond2;
   const pbf_vec at = pbf_field_place(s, p);
   pbf_field_nearest nearest = pbf_field_nearest_to(s, at, &beyond, &beyond2);
-  if (beyond2 > 0) pbf_field_go_on(s, at, beyond, &nearest);
+  if (beyond2 > 0) pbf_field_go_on(s, at, beyond, enough, &nearest);
   *steepness = pbf_field_normal(s, nearest.slope, normal);
   return nearest.distance;
 }
