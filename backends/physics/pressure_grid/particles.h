@@ -41,10 +41,34 @@ PBF_FN int pbf_is_seen(const Topology *t, const pbf_solids_beside &beside, pbf_v
   return 1;
 }
 
+/* The compartment of a free point that is nearer to x than any solid is to the point, and so hidden
+ * by none; PBF_NO_INDEX: there is no such point. Distances of solids may be too large by half. */
+template <class Topology>
+PBF_FN uint32_t pbf_compartment_at_point(const pbf_pressure_grid *c, const Topology *t,
+                                         const double before[PBF_DIM]) {
+  const double near = 0.5 * PBF_SAMPLE_CLEARANCE;
+  int at[PBF_DIM];
+  uint32_t cell = 0;
+  double away = 0;
+  for (int k = PBF_DIM - 1; k >= 0; --k) {
+    const double among = before[k] * PBF_SAMPLES - 0.5;
+    const int point = (int)floor(among + 0.5);
+    if (point < 0 || point >= PBF_SAMPLES * c->n[k]) return PBF_NO_INDEX;
+    at[k] = point % PBF_SAMPLES;
+    cell = cell * c->size[k] + (uint32_t)(point / PBF_SAMPLES + 1);
+    away += (among - point) * (among - point);
+  }
+  if (!(away < near * near)) return PBF_NO_INDEX;
+  const int k = pbf_compartment_with(t, cell, pbf_sample_index(at));
+  return k < 0 ? PBF_NO_INDEX : pbf_cell_compartment(t, cell, k);
+}
+
 /* The compartment of the nearest point that no solid hides from x; PBF_NO_INDEX: none is near. */
 template <class Topology>
 PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
                                               pbf_vec x, const double before[PBF_DIM]) {
+  const uint32_t here = pbf_compartment_at_point(c, t, before);
+  if (here != PBF_NO_INDEX) return here;
   const pbf_solids_beside beside = pbf_find_solids_beside(c, t, x);
   uint32_t nearest = PBF_NO_INDEX;
   double nearest2 = 1e30;
