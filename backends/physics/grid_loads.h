@@ -30,9 +30,9 @@ struct grid_load_solid {
   double weight, weight_slope; /* among all that are near */
 };
 
-PBF_FN grid_load_solid grid_load_solid_of(double spacing, int solid, pbf_real distance,
-                                          pbf_vec normal) {
-  grid_load_solid s = {{solid, distance, 0, 1, normal}, 1, 0, 0, 0};
+PBF_FN grid_load_solid grid_load_solid_of(double spacing, const pbf_load_plane &plane) {
+  grid_load_solid s = {plane, 1, 0, 0, 0};
+  const pbf_real distance = plane.distance;
   const double least = 0.1 * spacing, t = ((double)distance / spacing - 0.5) / 2;
   if (t > 0) {
     s.fall = t < 0.5 ? 1 - 2 * t * t : 2 * (1 - t) * (1 - t);
@@ -53,37 +53,53 @@ PBF_FN pbf_real solid_distance(const Obstacles &o, int solid, pbf_vec x, pbf_vec
   return pbf_wall_distance(&o.domain, solid, x);
 }
 
+/* Calls meet(solid, distance, normal) for walls, and for colliders near x. */
+template <class Obstacles, class Near, class Meet>
+PBF_FN void each_solid_near(const Obstacles &o, const Near &near, double spacing, pbf_vec x,
+                            Meet meet) {
+  const pbf_real reach = (pbf_real)pbf_grid_load_reach(spacing);
+  const auto ask = [&](int solid) {
+    pbf_vec normal;
+    const pbf_real distance = solid_distance(o, solid, x, &normal);
+    if (distance < reach) meet(solid, distance, normal);
+  };
+  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) ask(wall);
+  near.each(o, [&](int k) {
+    if (!pbf_surface_is_beyond(&o.surfaces[k], x, reach)) ask(PBF_WALLS + k);
+  });
+}
+
+/* The solids within reach of a point, as many as there is room for. */
+struct grid_load_solids {
+  int count;
+  pbf_load_plane of[PBF_LOAD_PLANES];
+
+  PBF_IN void take(int solid, pbf_real distance, pbf_vec normal) {
+    if (count < PBF_LOAD_PLANES) of[count++] = {solid, distance, 0, 1, normal};
+  }
+};
+
 /* What is just before its nearest place is in another solid, and so no fluid is at it. */
 template <class Obstacles>
-PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solid *of, int count, int k,
-                      double spacing, pbf_vec x) {
-  const pbf_load_plane &p = of[k].plane;
+PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, double spacing,
+                      pbf_vec x) {
+  const pbf_load_plane &p = near.of[k];
   const pbf_vec before = pbf_add_scaled(x, (pbf_real)(spacing / 4) - p.distance, p.normal);
   pbf_vec normal;
-  for (int i = 0; i < count; ++i)
-    if (i != k && (double)solid_distance(o, of[i].plane.solid, before, &normal) < -0.05 * spacing)
+  for (int i = 0; i < near.count; ++i)
+    if (i != k && (double)solid_distance(o, near.of[i].solid, before, &normal) < -0.05 * spacing)
       return true;
   return false;
 }
 
-/* Those within reach that fluid is at; their number. */
-template <class Obstacles, class Near>
-PBF_FN_APART int find_grid_load_solids(const Obstacles &o, const Near &near, double spacing,
-                                       pbf_vec x, grid_load_solid of[PBF_LOAD_PLANES]) {
-  const pbf_real reach = (pbf_real)pbf_grid_load_reach(spacing);
-  int count = 0, kept = 0;
-  const auto meet = [&](int solid) {
-    pbf_vec normal;
-    const pbf_real distance = solid_distance(o, solid, x, &normal);
-    if (distance < reach && count < PBF_LOAD_PLANES)
-      of[count++] = grid_load_solid_of(spacing, solid, distance, normal);
-  };
-  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) meet(wall);
-  near.each(o, [&](int k) { meet(PBF_WALLS + k); });
-  bool hidden[PBF_LOAD_PLANES];
-  for (int k = 0; k < count; ++k) hidden[k] = is_hidden(o, of, count, k, spacing, x);
-  for (int k = 0; k < count; ++k)
-    if (!hidden[k]) of[kept++] = of[k];
+/* Those of them that fluid is at; their number. */
+template <class Obstacles>
+PBF_FN_APART int find_grid_load_solids(const Obstacles &o, const grid_load_solids &near,
+                                       double spacing, pbf_vec x,
+                                       grid_load_solid of[PBF_LOAD_PLANES]) {
+  int kept = 0;
+  for (int k = 0; k < near.count; ++k)
+    if (!is_hidden(o, near, k, spacing, x)) of[kept++] = grid_load_solid_of(spacing, near.of[k]);
   return kept;
 }
 
@@ -93,21 +109,31 @@ PBF_FN bool is_across(const grid_load_solid &of, int axis) {
   return of.plane.solid >= PBF_WALLS || of.plane.solid / 2 == axis;
 }
 
-/* The slope of psi p along an axis, psi being of the k-th of the solids, among those across it. */
-PBF_FN double grid_load_along(const grid_load_solid *of, int count, int k, int axis, double p,
-                              double slope) {
-  double sum = 0, change = 0;
-  if (!is_across(of[k], axis)) return 0;
-  for (int i = 0; i < count; ++i) sum += is_across(of[i], axis) ? of[i].weight : 0;
-  if (!(sum > 0)) return 0;
+/* The slope of psi along an axis, psi being of the k-th of the solids among those across it, which
+ * have this weight together; and psi. */
+struct grid_load_psi {
+  double slope, value;
+};
+
+PBF_FN grid_load_psi grid_load_psi_along(const grid_load_solid *of, int count, int k, int axis,
+                                         double sum) {
+  grid_load_psi psi = {0, 0};
+  if (!is_across(of[k], axis) || !(sum > 0)) return psi;
   const double part = of[k].weight / sum;
   for (int i = 0; i < count; ++i) {
     if (!is_across(of[i], axis)) continue;
     double along = of[k].fall * ((i == k) - part) / sum * of[i].weight_slope;
     if (i == k) along += of[k].fall_slope * part;
-    change += p * along * (double)of[i].plane.normal.c[axis];
+    psi.slope += along * (double)of[i].plane.normal.c[axis];
   }
-  return change + of[k].fall * part * slope;
+  psi.value = of[k].fall * part;
+  return psi;
+}
+
+PBF_FN double grid_load_weight_across(const grid_load_solid *of, int count, int axis) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += is_across(of[i], axis) ? of[i].weight : 0;
+  return sum;
 }
 
 /* What of a cube this wide around a place so deep is below the surface. */
@@ -132,22 +158,23 @@ PBF_FN double open_pressure(double p, const double slope[PBF_DIM], double spacin
 /* Calls take(plane, share) for each solid that the grid's pressure at a point x presses on, which
  * stands for so many particles in a cube this wide; pressure(x, slope) is over the reference
  * density. */
-template <class Obstacles, class Near, class Pressure, class Take>
-PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o, const Near &near,
-                                pbf_vec x, double width, double particles, Pressure pressure,
-                                Take take) {
+template <class Obstacles, class Pressure, class Take>
+PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o,
+                                const grid_load_solids &near, pbf_vec x, double width,
+                                double particles, Pressure pressure, Take take) {
   grid_load_solid of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
-  double slope[PBF_DIM], open_slope[PBF_DIM];
+  double slope[PBF_DIM], open_slope[PBF_DIM], sum[PBF_DIM];
   const double p = pressure(x, slope);
   const double one = open_pressure(p, slope, s->spacing, width, open_slope);
+  for (int j = 0; j < PBF_DIM; ++j) sum[j] = grid_load_weight_across(of, count, j);
   for (int k = 0; k < count; ++k) {
     load_share share = {{0}, {0}, {0}};
     for (int j = 0; j < PBF_DIM; ++j) {
-      share.change[j] = -s->time_step * particles * grid_load_along(of, count, k, j, p, slope[j]);
-      share.open[j] =
-          -s->spacing * particles * grid_load_along(of, count, k, j, one, open_slope[j]);
+      const grid_load_psi psi = grid_load_psi_along(of, count, k, j, sum[j]);
+      share.change[j] = -s->time_step * particles * (p * psi.slope + psi.value * slope[j]);
+      share.open[j] = -s->spacing * particles * (one * psi.slope + psi.value * open_slope[j]);
     }
     take(of[k].plane, share);
   }
@@ -162,22 +189,29 @@ PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
 /* What a point stands for, in cells. */
 PBF_FN double grid_load_cube(const pbf_pressure_grid *c) { return 1.0 / grid_load_points(c); }
 
-/* What of a cube of this width around x is free of solids, 0 to 1. Moves x out of the nearest. */
+/* What of a cube of this width around x is free of solids, 0 to 1. Moves x out of the nearest, and
+ * finds those that are within reach of it then. */
 template <class Obstacles, class Near>
-PBF_FN double grid_load_free_part(const Obstacles &o, const Near &near, double width, pbf_vec *x) {
+PBF_FN double grid_load_free_part(const Obstacles &o, const Near &near, double spacing,
+                                  double width, pbf_vec *x, grid_load_solids *found) {
   double part = 1, nearest = 0.25 * width;
   pbf_vec out = {{0}};
-  const auto meet = [&](int solid) {
-    pbf_vec normal;
-    const double distance = (double)solid_distance(o, solid, *x, &normal);
+  bool moves = false;
+  found->count = 0;
+  each_solid_near(o, near, spacing, *x, [&](int solid, pbf_real at, pbf_vec normal) {
+    const double distance = (double)at;
     part *= pbf_greater(pbf_lesser(0.5 + distance / width, 1), 0);
+    found->take(solid, at, normal);
     if (distance >= nearest) return;
     nearest = distance;
     out = normal;
-  };
-  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) meet(wall);
-  near.each(o, [&](int k) { meet(PBF_WALLS + k); });
-  if (part > 0) *x = pbf_add_scaled(*x, (pbf_real)(0.25 * width - nearest), out);
+    moves = true;
+  });
+  if (!moves || !(part > 0)) return part;
+  *x = pbf_add_scaled(*x, (pbf_real)(0.25 * width - nearest), out);
+  found->count = 0;
+  each_solid_near(o, near, spacing, *x,
+                  [&](int solid, pbf_real at, pbf_vec normal) { found->take(solid, at, normal); });
   return part;
 }
 
@@ -200,11 +234,12 @@ PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_press
                                        const Obstacles &o, const Near &near, pbf_vec x,
                                        Pressure pressure, Take take) {
   const double width = c->width * grid_load_cube(c);
-  const double part = grid_load_free_part(o, near, width, &x);
-  if (!(part > 0)) return;
+  grid_load_solids found;
+  const double part = grid_load_free_part(o, near, s->spacing, width, &x, &found);
+  if (!(part > 0) || !found.count) return;
   const double particles = part * (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
   share_grid_pressure(
-      s, o, near, x, width, particles, pressure,
+      s, o, found, x, width, particles, pressure,
       [&](const pbf_load_plane &plane, const load_share &share) { take(plane, x, share); });
 }
 

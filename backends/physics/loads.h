@@ -328,6 +328,21 @@ PBF_FN load_share load_share_of_plane(const pbf_load_plane &p, double weight, do
   return share;
 }
 
+/* The only plane takes all of what is not by lambda, `push`: what the system comes to. */
+PBF_FN load_share load_share_of_one(const pbf_load_plane &p, double by_lambda,
+                                    const double push[PBF_DIM]) {
+  load_share share;
+  double normal = 0;
+  for (int k = 0; k < PBF_DIM; ++k) normal += (double)p.normal.c[k] * push[k];
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double n = (double)p.normal.c[k], along = push[k] - normal * n;
+    share.change[k] = (by_lambda + normal) * n + (p.solid < PBF_WALLS ? 0 : along);
+    share.along[k] = p.solid < PBF_WALLS ? along : 0;
+    share.open[k] = 0;
+  }
+  return share;
+}
+
 /* Of a particle with this mobility, of its momentum. */
 PBF_FN load_share with_mass(load_share share, pbf_real mobility) {
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -363,7 +378,6 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
   }
   for (int i = 0; i < count; ++i) {
     const pbf_load_plane &p = planes[i];
-    add_to_system(&system, load_weight(s, p), p.normal);
     for (int k = 0; k < PBF_DIM; ++k)
       system.right[k] -= own * (double)p.slope * (double)p.normal.c[k];
   }
@@ -372,6 +386,12 @@ PBF_FN void share_push(const pbf_constants *c, const pbf_load_scales *s, const O
     return;
   }
   const double all = own + s->by_lambda * (of.has_grid ? (double)grid_lambda() : 0);
+  if (count == 1) {
+    take(planes[0], load_share_of_one(planes[0], all * (double)planes[0].slope, system.right));
+    return;
+  }
+  for (int i = 0; i < count; ++i)
+    add_to_system(&system, load_weight(s, planes[i]), planes[i].normal);
   solve_system(&system);
   for (int k = 0; k < count; ++k) {
     const pbf_load_plane &p = planes[k];
@@ -432,7 +452,10 @@ PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_
     number[PBF_LOAD_PLACE + k] = number[PBF_LOAD_WET] * r[k];
   }
   pbf_load_units(s->velocity, lever, units);
-  for (int k = 0; k < PBF_LOAD_SUMS; ++k) part.of[k] = pbf_wide_of(number[k] * units[k]);
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) {
+    const bool is_none = !(number[k] > 0 || number[k] < 0);
+    part.of[k] = is_none ? pbf_wide_sum{0, 0} : pbf_wide_of(number[k] * units[k]);
+  }
   memcpy(&part.depth, &depth, sizeof part.depth);
   part.touches = (double)p.distance < s->spacing;
   return part;
