@@ -1,5 +1,6 @@
 /* Whether solids are so far apart that none of them can hold water with another one or with the
- * walls, told from where they are without their poses. Host only. */
+ * walls, and take so little room that water among them is not much deeper, told from where they are
+ * without their poses. Host only. */
 #ifndef PBF_PHYSICS_APART_H
 #define PBF_PHYSICS_APART_H
 
@@ -15,6 +16,7 @@ enum {
 typedef struct pbf_apart_box {
   int first[PBF_DIM], last[PBF_DIM]; /* parts that it reaches, the outer ones with all beyond */
   int walls;                         /* that it reaches */
+  double taken;                      /* of a level, at most, where it stands on the floor */
 } pbf_apart_box;
 
 static inline int pbf_apart_part(double place, double lower, double upper, int parts) {
@@ -24,17 +26,21 @@ static inline int pbf_apart_part(double place, double lower, double upper, int p
 
 /* Of a ball around a solid, wider by `gap`, in which it and its edge lie in float32, too. */
 static inline pbf_apart_box pbf_apart_box_of(const pbf_params *params, const pbf_collider *c,
-                                             double gap) {
-  pbf_apart_box box = {{0}, {0}, 0};
+                                             double gap, int axis) {
+  pbf_apart_box box = {{0}, {0}, 0, 0};
+  double lower[PBF_DIM], upper[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) {
     const double min = params->domain_min[k], max = params->domain_max[k];
     const double reach = 1.001 * pbf_bound(c) + gap + 1e-6 * fabs(c->position[k]);
-    const double lower = c->position[k] - reach, upper = c->position[k] + reach;
     const int parts = k == 0 ? PBF_APART_BITS : PBF_APART_PARTS;
-    box.walls += (lower <= min) + (upper >= max);
-    box.first[k] = pbf_apart_part(lower, min, max, parts);
-    box.last[k] = pbf_apart_part(upper, min, max, parts);
+    lower[k] = c->position[k] - reach;
+    upper[k] = c->position[k] + reach;
+    box.walls += (lower[k] <= min) + (upper[k] >= max);
+    box.first[k] = pbf_apart_part(lower[k], min, max, parts);
+    box.last[k] = pbf_apart_part(upper[k], min, max, parts);
   }
+  box.taken =
+      pbf_part_of_floor(params, axis, gap, params->domain_min, params->domain_max, lower, upper);
   return box;
 }
 
@@ -56,12 +62,15 @@ static inline int pbf_apart_take(uint64_t rows[PBF_APART_ROWS], const pbf_apart_
 /* 1 where it is sure. A field may hold water by itself, and other walls than the domain's may be
  * anywhere. */
 static inline int pbf_solids_are_apart(const pbf_params *params, uint32_t count,
-                                       const pbf_collider *colliders) {
+                                       const pbf_collider *colliders, int axis) {
   uint64_t rows[PBF_APART_ROWS] = {0};
+  double taken = 0;
   for (uint32_t k = 0; k < count; ++k) {
     if (!pbf_is_solid(&colliders[k]) || colliders[k].shape == PBF_COLLIDER_SHAPE) return 0;
-    const pbf_apart_box box = pbf_apart_box_of(params, &colliders[k], params->smoothing_radius);
-    if (box.walls > 1 || !pbf_apart_take(rows, &box)) return 0;
+    const pbf_apart_box box =
+        pbf_apart_box_of(params, &colliders[k], params->smoothing_radius, axis);
+    taken += box.taken;
+    if (box.walls > 1 || taken >= PBF_SOLIDS_TAKE || !pbf_apart_take(rows, &box)) return 0;
   }
   return 1;
 }

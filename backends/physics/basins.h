@@ -17,11 +17,11 @@ typedef struct pbf_basin_region {
   int axis, down;          /* of gravity, and whether it points to lower coordinates */
 } pbf_basin_region;
 
-/* What hangs together with a point: its root, and there the number of points, the lowest level, and
- * whether water leaves from it. */
+/* What hangs together with a point: its root, and there the number of points, of those in the
+ * highest level, the lowest level, and whether water leaves from it. */
 typedef struct pbf_basin_points {
   uint8_t free[PBF_BASIN_ALL];
-  uint16_t root[PBF_BASIN_ALL], count[PBF_BASIN_ALL];
+  uint16_t root[PBF_BASIN_ALL], count[PBF_BASIN_ALL], highest[PBF_BASIN_ALL];
   uint8_t lowest[PBF_BASIN_ALL], open[PBF_BASIN_ALL];
 } pbf_basin_points;
 
@@ -129,8 +129,9 @@ static inline void pbf_basin_connect(const pbf_basin_region *r, const pbf_basin_
   }
 }
 
-/* Without one that is all of the domain. `grid` is of the surfaces, within the distance between two
- * points. */
+/* Without one that is all of the domain, unless solids take a good part of that: a bottle's body
+ * below its neck is as deep as both, and less than a part is told only roughly by few points.
+ * `grid` is of the surfaces, within the distance between two points. */
 static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_surface *surfaces,
                                         const pbf_surface_grid *grid, pbf_region_basins *basins) {
   pbf_basin_points points;
@@ -161,10 +162,14 @@ static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_sur
       const pbf_basin_near near = pbf_basin_find_near(grid, surfaces, pbf_basin_point(r, at));
       pbf_basin_connect(r, &near, &points, level, p - first);
     }
+    for (int p = first; p < last; ++p) points.highest[pbf_basin_root(&points, p)] = 0;
+    for (int p = first; p < last; ++p) ++points.highest[pbf_basin_root(&points, p)];
     for (int p = first; p < last; ++p) {
       const int root = pbf_basin_root(&points, p);
-      if (!points.free[p] || points.open[root] || (whole && points.count[root] == all)) continue;
-      pbf_basin_note(basins, level + 1 - points.lowest[root], points.count[root]);
+      if (!points.free[p] || points.open[root]) continue;
+      if (whole && points.count[root] == all && all > (1 - PBF_SOLIDS_TAKE) * last) continue;
+      const uint32_t count = points.count[root];
+      pbf_basin_note(basins, level + 1 - points.lowest[root], count, count - points.highest[root]);
     }
   }
 }
@@ -294,7 +299,7 @@ static inline double pbf_basins_deepest(pbf_basins *b, const pbf_params *params,
     b->planes += pbf_is_plane(&colliders[k]);
   }
   if (b->planes) b->room_height = params->domain_max[axis] - params->domain_min[axis];
-  if (!b->solids || pbf_solids_are_apart(params, count, colliders)) return 0;
+  if (!b->solids || pbf_solids_are_apart(params, count, colliders, axis)) return 0;
   pbf_basins_place_surfaces(b);
   b->deepest =
       pbf_groups_deepest(params, count, colliders, b->surfaces, axis, b->groups, b->numbers);

@@ -21,6 +21,27 @@ static inline int pbf_is_solid(const pbf_collider *collider) {
   return !collider->inverted && pbf_container_volume(collider, 0) < INFINITY;
 }
 
+/* Solids that take such a part of a level or more leave so little room that fluid around them is
+ * looked for as between others: it stands deeper than their volume spread over the domain would. */
+#define PBF_SOLIDS_TAKE 0.25
+
+/* The part of a level between walls that lies within such bounds but for a gap that these are wider
+ * by, where they reach the floor that gravity along the axis has. */
+static inline double pbf_part_of_floor(const pbf_params *params, int axis, double gap,
+                                       const double walls_lower[PBF_DIM],
+                                       const double walls_upper[PBF_DIM],
+                                       const double lower[PBF_DIM], const double upper[PBF_DIM]) {
+  const int stands = params->gravity[axis] < 0 ? lower[axis] <= walls_lower[axis]
+                                               : upper[axis] >= walls_upper[axis];
+  double part = stands;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double within =
+        fmin(upper[k] - gap, walls_upper[k]) - fmax(lower[k] + gap, walls_lower[k]);
+    if (k != axis) part *= fmax(within, 0) / (walls_upper[k] - walls_lower[k]);
+  }
+  return part;
+}
+
 /* How far beyond the centres that touch a wall fluid reaches: walls that contribute no density let
  * them come so near. */
 static inline double pbf_reach_beyond_walls(const pbf_params *params) {

@@ -148,20 +148,24 @@ static inline double pbf_group_deepest(const pbf_group *g, const pbf_group_walls
 }
 
 /* The same of all solids: groups that do not touch enclose no more than each does alone
- * (Janiszewski's theorem). There is room for a group and a number of each. */
+ * (Janiszewski's theorem). Infinite also where what stands on the floor leaves little room around
+ * it. There is room for a group and a number of each. */
 static inline double pbf_groups_deepest(const pbf_params *params, uint32_t count,
                                         const pbf_collider *colliders, const pbf_surface *surfaces,
                                         int axis, pbf_group *groups, uint16_t *numbers) {
   const pbf_group_walls walls = pbf_group_walls_of(params, count, surfaces, numbers);
   uint32_t all = 0;
-  double deepest = 0;
+  double deepest = 0, taken = 0;
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_is_solid(&colliders[k]))
       groups[all++] = pbf_group_of(&surfaces[k], params->smoothing_radius);
   all = pbf_groups_join(groups, all);
-  for (uint32_t k = 0; k < all; ++k)
+  for (uint32_t k = 0; k < all; ++k) {
     deepest = fmax(deepest, pbf_group_deepest(&groups[k], &walls, axis));
-  return deepest;
+    taken += pbf_part_of_floor(params, axis, params->smoothing_radius, walls.lower, walls.upper,
+                               groups[k].lower, groups[k].upper);
+  }
+  return taken < PBF_SOLIDS_TAKE ? deepest : HUGE_VAL;
 }
 
 #endif

@@ -76,8 +76,10 @@ static inline void pbf_room_note_levels(const pbf_room *r, int axis, int down,
   }
   int lowest = 0;
   while (lowest < PBF_BASIN_POINTS && !in_level[lowest]) ++lowest;
-  for (int level = lowest; level < PBF_BASIN_POINTS; ++level)
-    pbf_basin_note(found, level + 1 - lowest, below += in_level[level]);
+  for (int level = lowest; level < PBF_BASIN_POINTS; ++level) {
+    if (in_level[level]) pbf_basin_note(found, level + 1 - lowest, below + in_level[level], below);
+    below += in_level[level];
+  }
 }
 
 static inline int pbf_is_plane(const pbf_collider *collider) {

@@ -156,12 +156,66 @@ static void planes_hold_deep_water(void **state) {
   test_for_long_kinds(check_between_planes);
 }
 
+typedef struct filled {
+  const char *what;
+  double left[2], right[2], low, high; /* of up to two boxes in spacings, from wall to wall */
+  int deep;
+} filled;
+
+static void set_boxes(pbf_solver *s, const filled *in) {
+  pbf_collider boxes[2];
+  uint32_t count = 0;
+  for (int k = 0; k < 2; ++k) {
+    if (!(in->right[k] > in->left[k])) continue;
+    pbf_collider *box = &boxes[count++];
+    assert_ok(pbf_collider_init(box, sizeof *box, PBF_COLLIDER_BOX));
+    box->position[0] = 0.5 * spacing * (in->left[k] + in->right[k]);
+    box->position[1] = 0.5 * spacing * (in->low + in->high);
+    box->half_extents[0] = 0.5 * spacing * (in->right[k] - in->left[k]);
+    box->half_extents[1] = 0.5 * spacing * (in->high - in->low);
+  }
+  assert_ok(pbf_set_colliders(s, count, boxes));
+}
+
+/* Solids may fill most of the domain: in a tank six times as wide as the column it would be ten
+ * layers deep. */
+static void check_among_solids(uint32_t dimension, uint32_t precision) {
+  static const filled all[] = {
+      {"nothing", {0, 0}, {0, 0}, 0, 0, 0},
+      {"a block at a wall", {6, 0}, {36, 0}, 0, 72, 1},
+      {"a block in the middle", {6, 0}, {30, 0}, 0, 70, 1},
+      {"two that leave a neck above", {0, 21}, {15, 36}, 4, 72, 1},
+      {"a low sill", {19, 0}, {21, 0}, 0, 6, 0},
+      {"a block above the water", {6, 0}, {36, 0}, 20, 72, 0},
+  };
+  pbf_params params = column_params(-1);
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  params.domain_max[0] *= 6;
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
+  for (unsigned k = 0; k < sizeof all / sizeof *all; ++k) {
+    set_boxes(s, &all[k]);
+    if (keeps_grid(s) != all[k].deep)
+      fail_msg("%uD, beside %s: %s grid", dimension, all[k].what, all[k].deep ? "no" : "a");
+  }
+  set_boxes(s, &all[1]);
+  assert_ok(pbf_step(s, 400));
+  if (!(fabs(lost_height(s)) < 0.01))
+    fail_msg("%uD: %g of the height lost beside a block", dimension, lost_height(s));
+  pbf_destroy(s);
+}
+
+static void solids_leave_deep_water(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
+  test_for_long_kinds(check_among_solids);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(where_eddies_want_it),
-      cmocka_unit_test(where_water_could_be_deep),
-      cmocka_unit_test(bottles_are_deep),
-      cmocka_unit_test(planes_hold_deep_water),
+      cmocka_unit_test(where_eddies_want_it),    cmocka_unit_test(where_water_could_be_deep),
+      cmocka_unit_test(bottles_are_deep),        cmocka_unit_test(planes_hold_deep_water),
+      cmocka_unit_test(solids_leave_deep_water), cmocka_unit_test(fluids_are_as_deep_as_one),
   };
   return TEST_RUN(tests);
 }

@@ -12,6 +12,7 @@ pbf_params params_of() {
   pbf_params params;
   memset(&params, 0, sizeof params);
   for (int k = 0; k < 3; ++k) params.domain_max[k] = 10;
+  params.gravity[1] = -1;
   params.smoothing_radius = 0.1;
   return params;
 }
@@ -56,7 +57,7 @@ double deepest(const pbf_collider (&colliders)[N]) {
   static pbf_group groups[PBF_FEW_COLLIDERS];
   static uint16_t numbers[PBF_FEW_COLLIDERS];
   const double depth = pbf_groups_deepest(&params, N, colliders, surfaces, 1, groups, numbers);
-  assert_false(pbf_solids_are_apart(&params, N, colliders) && depth > 0);
+  assert_false(pbf_solids_are_apart(&params, N, colliders, 1) && depth > 0);
   return depth;
 }
 
@@ -69,7 +70,7 @@ void what_encloses_nothing(void **) {
   expect(deepest({ball(5, 5, 1)}), 0);
   expect(deepest({ball(5, 1, 1)}), 0); /* on the floor */
   expect(deepest({ball(2, 5, 1), ball(5, 5, 1), ball(8, 5, 1)}), 0);
-  expect(deepest({ball(3, 1, 1), ball(5.3, 1, 1)}), 0); /* apart by more than 0.2 */
+  expect(deepest({ball(3, 5, 1), ball(5.3, 5, 1)}), 0); /* apart by more than 0.2 */
   expect(deepest({box(4, 0, 4, 6, 9, 6)}), 0);
 }
 
@@ -94,7 +95,7 @@ void what_is_surely_apart(void **) {
     }
     const pbf_params params = params_of();
     apart += !(deepest({all[0], all[1], all[2], all[3], all[4], all[5]}) > 0);
-    known += pbf_solids_are_apart(&params, SOLIDS, all);
+    known += pbf_solids_are_apart(&params, SOLIDS, all, 1);
   }
   assert_true(apart > DRAWS / 4 && known > apart / 2 && known <= apart);
 }
@@ -112,6 +113,15 @@ void what_parts_the_domain(void **) {
   expect(deepest({box(0, 4, 4, 10, 6, 6)}), PBF_DIM == 2 ? HUGE_VAL : 2.2);
   expect(deepest({box(4, 0, 0, 6, 10, 10)}), HUGE_VAL);
   expect(deepest({box(0, 4, 0, 5, 6, 10), box(5.1, 4, 0, 10, 6, 10)}), HUGE_VAL);
+}
+
+/* What stands on the floor, and leaves three quarters of it or less. */
+void what_takes_room(void **) {
+  expect(deepest({box(4, 0, 0.5, 7, 9, 9.5)}), HUGE_VAL); /* 3 by 9 of 10 by 10 */
+  expect(deepest({box(4, 0, 0.5, 6.4, 9, 9.5)}), 0);
+  expect(deepest({box(4, 1, 0.5, 7, 9, 9.5)}), 0); /* hangs */
+  expect(deepest({ball(2, 1, 1), ball(8, 1, 1)}), PBF_DIM == 2 ? HUGE_VAL : 0);
+  expect(deepest({box(4, 3, 0.5, 7, 9, 9.5), floor_at(3.05, 0)}), HUGE_VAL);
 }
 
 void before_planes(void **) {
@@ -137,6 +147,7 @@ int main(void) {
       cmocka_unit_test(what_is_surely_apart),
       cmocka_unit_test(what_lies_within_its_bounds),
       cmocka_unit_test(what_parts_the_domain),
+      cmocka_unit_test(what_takes_room),
       cmocka_unit_test(before_planes),
       cmocka_unit_test(in_containers),
   };
