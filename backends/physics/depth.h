@@ -178,15 +178,17 @@ static inline int pbf_depth_wants_grid(const pbf_params *params, pbf_basins *bas
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
  * have one where fewer have. `most` is what steps have left for each layer, at most. Phases that
- * are close (phases.h) have one however deep they are. */
+ * are close (phases.h) have one however deep they are, without which light ones do not rise. Wide
+ * kernels part them by themselves, and are quieter without one where they are shallow. */
 static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
                                     uint32_t colliders, const pbf_collider *list, uint32_t count,
                                     double most, int close_phases = 0) {
   if (!pbf_may_have_pressure_grid(params)) return 0;
   if (params->pressure_grid > 0) return params->pressure_grid;
+  const int always = close_phases && !pbf_is_wide_kernel(params);
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
-             (close_phases ? pbf_depth_has_weight(params)
-                           : pbf_depth_wants_grid(params, basins, colliders, list, count, most));
+             (always ? pbf_depth_has_weight(params)
+                     : pbf_depth_wants_grid(params, basins, colliders, list, count, most));
   return deep ? PBF_DEPTH_WIDTH : 0;
 }
 

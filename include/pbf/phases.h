@@ -16,11 +16,12 @@
  * a byte a particle of capacity, and where they differ two bytes and two numbers on the backend.
  * Phases are part of saved states, and of pbf_hash where there are any.
  *
- * Where they differ there is a shear_stress_correction by default however shallow the fluid, and a
- * pressure_grid where the lightest has more than a third of the heaviest's rest_density and h is
- * less than 2.55 spacings: without, a fluid that is a little lighter stays where it is. Refused,
- * with a sentence, are other grids, surface_tension, and viscosity with PBF_SOLVER_JACOBI.
- * docs/fluids.md says how well it holds.
+ * Where they differ there is a shear_stress_correction by default however shallow the fluid, and,
+ * where the lightest has more than a third of the heaviest's rest_density, a pressure_grid as deep
+ * as one fluid has it; however shallow where their rest_density differs and h is less than 2.55
+ * spacings: without, a fluid that is a little lighter stays where it is. Refused, with a sentence,
+ * are other grids, surface_tension, and viscosity with PBF_SOLVER_JACOBI. docs/fluids.md says how
+ * well it holds.
  */
 #ifndef PBF_PHASES_H
 #define PBF_PHASES_H

@@ -62,20 +62,6 @@ static int has_grid(const pbf_phases *phases) {
   return 3 * lightest > heaviest;
 }
 
-static int has_one_density(const pbf_phases *phases) {
-  double lightest, heaviest;
-  find_extremes(phases, &lightest, &heaviest);
-  return lightest >= heaviest;
-}
-
-/* Whether they have a grid unless pressure_grid says otherwise: with wide kernels walls have
- * mirrors in any case; fluids then part without one, and are quieter at rest. */
-static int has_grid_by_default(const pbf_phases *phases, const pbf_params *params) {
-  static const double wide_kernel = 2.55; /* spacings, as for walls */
-  return has_grid(phases) && !has_one_density(phases) &&
-         params->smoothing_radius < wide_kernel * pbf_derive_spacing(params);
-}
-
 static pbf_status refuse(const char *name, double value) {
   return pbf_fail(PBF_ERROR_UNSUPPORTED,
                   "params.%s is %.9g and phases differ in rest_density or viscosity; %s knows of "
@@ -104,7 +90,6 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
   pbf_params theirs = *params;
   if (!phases || !phases->differ) return theirs;
-  if (!(params->pressure_grid > 0) && !has_grid_by_default(phases, params))
-    theirs.pressure_grid = 0;
+  if (!has_grid(phases)) theirs.pressure_grid = 0;
   return theirs;
 }

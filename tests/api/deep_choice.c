@@ -1,6 +1,8 @@
 /* Which water is so deep that the solver gives it a pressure grid. */
 #include "deep_column.h"
 
+#include <pbf/phases.h>
+
 static int keeps_grid(pbf_solver *s) { return test_has_stage(s, "pressure grid"); }
 
 static int has_grid(uint32_t layers, const pbf_params *params) {
@@ -209,6 +211,56 @@ static void solids_leave_deep_water(void **state) {
   if (test_is_stub()) test_skip("the stub solves nothing");
   test_skip_if_watched();
   test_for_long_kinds(check_among_solids);
+}
+
+static void set_two_phases(pbf_solver *s, uint32_t count, double density, double viscosity) {
+  pbf_phase phases[2];
+  uint32_t *upper = calloc(count, sizeof *upper);
+  assert_non_null(upper);
+  for (uint32_t i = 0; i < count; ++i) upper[i] = i / COLUMNS % LAYERS >= LAYERS / 2;
+  for (int k = 0; k < 2; ++k) assert_ok(pbf_phase_init(&phases[k], sizeof phases[k]));
+  phases[1].rest_density = density;
+  phases[1].viscosity = viscosity;
+  assert_ok(pbf_set_phases(s, 2, phases));
+  assert_ok(pbf_set_particle_phases(s, 0, count, upper));
+  free(upper);
+}
+
+/* Fluids are as deep as one is: where they differ in viscosity alone, and with wide kernels. */
+static void check_fluids(uint32_t dimension, uint32_t precision) {
+  static const struct {
+    double density, viscosity, h;
+    int in_shallow;
+  } all[] = {{1, 0.5, 2, 0}, {0.8, 1, 3, 0}, {0.8, 1, 2, 1}};
+  const uint32_t thick = dimension == 3 ? 3 : 1, shallow = 10;
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  for (unsigned k = 0; k < sizeof all / sizeof *all; ++k) {
+    pbf_params params = column_params(-1);
+    params.spacing = spacing;
+    params.smoothing_radius = all[k].h * spacing;
+    params.viscosity = 1e-3;
+    for (int deep = 0; deep < 2; ++deep) {
+      const uint32_t layers = deep ? LAYERS : shallow;
+      pbf_solver *s = block(&desc, &params, COLUMNS, layers, 0, 0, 1);
+      set_two_phases(s, layers * COLUMNS * thick, all[k].density, all[k].viscosity);
+      if (keeps_grid(s) != (deep || all[k].in_shallow))
+        fail_msg("%uD, %u layers of 1 and %g, h = %g d: %s grid", dimension, layers, all[k].density,
+                 all[k].h, keeps_grid(s) ? "a" : "no");
+      if (deep && k == 0) {
+        assert_ok(pbf_step(s, 400));
+        if (!(fabs(lost_height(s)) < 0.01))
+          fail_msg("%uD: %g of the height lost by two of one density", dimension, lost_height(s));
+      }
+      pbf_destroy(s);
+    }
+  }
+}
+
+static void fluids_are_as_deep_as_one(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
+  test_for_long_kinds(check_fluids);
 }
 
 int main(void) {

@@ -19,12 +19,16 @@ typedef struct pbf_domain {
 /* From here on they have; in spacings. Up to 2.5 tanks rest without them, too, in half the time. */
 #define PBF_WIDE_KERNEL 2.55
 
+static inline int pbf_is_wide_kernel(const pbf_params *params) {
+  return params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params);
+}
+
 /* And where phases are close (phases.h), whatever the width: what a wall contributes by the
  * distance alone holds a first layer that is denser along the wall than the fluid is, and does not
  * shear off it. Light fluid in it then stays on the floor when heavier fluid has come down. */
 static inline int pbf_may_have_ghosts(const pbf_params *params, int close_phases = 0) {
   return (PBF_BUILT & PBF_FEATURE_WALL_DENSITY) && params->wall_density > 0 &&
-         (close_phases || params->smoothing_radius >= PBF_WIDE_KERNEL * pbf_derive_spacing(params));
+         (close_phases || pbf_is_wide_kernel(params));
 }
 
 static inline pbf_real pbf_ghost_reach(const pbf_params *params, int close_phases, pbf_vec lower,
