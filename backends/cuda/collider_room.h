@@ -1,4 +1,4 @@
-/* Part of backend.cu: memory for more colliders than kernels take by value, while there are more.
+/* Part of scene.h: memory for more colliders than kernels take by value, while there are more.
  */
 #ifndef PBF_CUDA_COLLIDER_ROOM_H
 #define PBF_CUDA_COLLIDER_ROOM_H
