@@ -213,8 +213,8 @@ typedef struct pbf_params {
                        smoothing_radius / spacing is above 2, and at least 0.25, with
                        PBF_SOLVER_CHEBYSHEV where particles would settle 18 layers deep under
                        gravity (decided as for pressure_grid) and a pressure grid may be, or where
-                       there is surface_tension; without gravity 0.7, less likewise, where walls and
-                       containers leave no more room than the fluid takes; or 0 */
+                       there is surface_tension; without gravity 0.65, less likewise, where walls
+                       and containers leave no more room than the fluid takes; or 0 */
   double wall_friction; /* Coulomb friction of the domain's walls, >= 0: so much of what a wall
                            pushes a particle with acts along it against its motion. 0, the default:
                            fluid slides on walls freely */

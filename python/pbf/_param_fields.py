@@ -135,7 +135,7 @@ class ParamFields(Holder):
     shear_stress_correction = Number(
         "How much of the shear stress that pushes along pairs have under pressure is taken back, "
         "so that slow eddies live on; -1: with PBF_SOLVER_CHEBYSHEV 0.75 where water could be 18 "
-        "layers deep or has a surface tension, 0.7 where weightless fluid fills its box, less "
+        "layers deep or has a surface tension, 0.65 where weightless fluid fills its box, less "
         "with wide kernels, 0 elsewhere. Range: -1, 0 … 1; 0 unless `PBF_SOLVER_CHEBYSHEV`. "
         "Default: `-1`.")
     wall_friction = Number(
