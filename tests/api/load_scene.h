@@ -126,4 +126,18 @@ static inline void load_make_hull(uint32_t dimension, double cell, pbf_collider 
   box->shape = PBF_COLLIDER_SHAPE;
 }
 
+/* The mean force and torque since they were last asked for. */
+static inline double load_force(const pbf_collider_load *load, int k) {
+  return load->impulse_sum[k] / load->time_sum;
+}
+
+static inline double load_torque(const pbf_collider_load *load, int k) {
+  return load->angular_impulse_sum[k] / load->time_sum;
+}
+
+static inline void load_expect(const char *what, double is, double right, double part) {
+  if (!(fabs(is - right) <= part * fabs(right)))
+    fail_msg("%s is %.9g, it must be %.9g to %g", what, is, right, part);
+}
+
 #endif
