@@ -17,7 +17,8 @@ class Desc(c.Structure):
         ("backend", c.c_char_p), ("device", c.c_int32), ("threads", c.c_uint32),
         ("stream", c.c_void_p), ("allocator", c.c_void_p), ("log", c.c_void_p),
         ("log_user", c.c_void_p), ("isa", c.c_char_p), ("enqueue_task", c.c_void_p),
-        ("finish_task", c.c_void_p), ("task_user", c.c_void_p),
+        ("finish_task", c.c_void_p), ("task_user", c.c_void_p), ("determinism", c.c_uint32),
+        ("reserved", c.c_uint32),
     ]
 
 

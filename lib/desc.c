@@ -23,6 +23,9 @@ static const pbf_count_rule rules[] = {
     RULE(capacity, 1, PBF_MAX_CAPACITY, ""),
     RULE(strict, 0, 1, ""),
     RULE(threads, 0, MAX_THREADS, "; 0 takes as many as the machine offers"),
+    RULE(determinism, PBF_DETERMINISM_ACROSS_MACHINES, PBF_DETERMINISM_PER_MACHINE,
+         ", PBF_DETERMINISM_ACROSS_MACHINES or PBF_DETERMINISM_PER_MACHINE"),
+    RULE(reserved, 0, 0, ""),
 };
 
 static pbf_status check_numbers(const pbf_desc *desc) {

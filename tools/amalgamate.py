@@ -95,6 +95,7 @@ def library_sources():
 
 def build_header(dimension, bits):
     return (f"#define PBF_EACH_VARIANT(DO) DO({dimension}, {bits})\n#define PBF_EACH_ISA(DO) DO(scalar, SCALAR)\n"
+            "#define PBF_EACH_FUSED_ISA(DO)\n"
             "#define PBF_WITHOUT (0)\n#define PBF_PLUGIN_SUFFIX \".so\"\n")
 
 

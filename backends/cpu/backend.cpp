@@ -26,6 +26,38 @@ static const kernels *kernels_for(cpu_isa which) {
   return NULL;
 }
 
+#if PBF_BITS == 32
+#define DECLARE_FUSED(isa, ISA) extern "C" const fused_kernels KERNELS(fused_##isa);
+PBF_EACH_FUSED_ISA(DECLARE_FUSED)
+#endif
+
+/* Null: built without. */
+static const fused_kernels *fused_kernels_for(cpu_isa which) {
+  (void)which;
+#if PBF_BITS == 32
+#define FUSED_OF_ISA(isa, ISA) \
+  if (which == CPU_##ISA) return &KERNELS(fused_##isa);
+  PBF_EACH_FUSED_ISA(FUSED_OF_ISA)
+#endif
+  return NULL;
+}
+
+static void choose_kernels(solver *s, cpu_isa isa, uint32_t determinism) {
+  const fused_kernels *fused =
+      determinism == PBF_DETERMINISM_PER_MACHINE ? fused_kernels_for(isa) : NULL;
+  s->isa = isa;
+  s->kernels = kernels_for(isa);
+  s->is_fused = fused != NULL;
+  if (!fused) return;
+  s->with_fused = *s->kernels;
+  s->with_fused.lambda = fused->lambda;
+  s->with_fused.move = fused->move;
+  s->kernels = &s->with_fused;
+}
+
+/* Of the loops, as plans and reports say it. */
+static const char *suffix_of(const solver *s) { return s->is_fused ? "-fused" : ""; }
+
 static pbf_status no_memory_for_neighbors(const solver *s) {
   char text[160], radius[PBF_NUMBER_SIZE];
   snprintf(text, sizeof text,
@@ -96,8 +128,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   s->threads = teams->size(desc->threads);
   s->threads_by_choice = !desc->threads && teams->resizes;
   s->tasks = {desc->enqueue_task, desc->finish_task, desc->task_user};
-  s->isa = isa;
-  s->kernels = kernels_for(isa);
+  choose_kernels(s, isa, desc->determinism);
   teams->begin();
   if (!take_arrays(s) || (has_ranks(s) && !take_rank_tables(s))) {
     pbf_status status = out_of_memory(s, "the arrays");
@@ -286,7 +317,8 @@ static pbf_status get_plan(solver *s, pbf_plan *plan) {
   char variant[sizeof plan->variant - 8];
   pbf_plan_stages(&s->schedule, plan);
   pbf_variant_name(variant, sizeof variant, s->schedule.features, PBF_DIM, sizeof(pbf_real));
-  snprintf(plan->variant, sizeof plan->variant, "%s-%s", variant, cpu_isa_name(s->isa));
+  snprintf(plan->variant, sizeof plan->variant, "%s-%s%s", variant, cpu_isa_name(s->isa),
+           suffix_of(s));
   pbf_memory_plan(&s->memory, s->local_capacity, plan);
   plan->bytes += sizeof *s;
   return PBF_OK;
@@ -297,7 +329,8 @@ static pbf_status describe(solver *s, pbf_backend_state *state) {
   cpu_brand(brand, sizeof brand);
   state->threads = s->team_api->threads(s->threads);
   state->device_type = PBF_DEVICE_CPU;
-  snprintf(state->device_name, sizeof state->device_name, "%s (%s)", brand, cpu_isa_name(s->isa));
+  snprintf(state->device_name, sizeof state->device_name, "%s (%s%s)", brand, cpu_isa_name(s->isa),
+           suffix_of(s));
   return PBF_OK;
 }
 

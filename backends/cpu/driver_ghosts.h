@@ -1,4 +1,4 @@
-/* Part of kernels_pairs.h. The loop over pairs for groups near walls with ghosts: neighbours, and
+/* Part of kernels_solve.h. The loop over pairs for groups near walls with ghosts: neighbours, and
  * their ghosts (physics/ghosts.h). It is not driver.h's, so that that stays as it is. */
 #ifndef PBF_CPU_DRIVER_GHOSTS_H
 #define PBF_CPU_DRIVER_GHOSTS_H

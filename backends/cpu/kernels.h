@@ -263,4 +263,12 @@ typedef struct kernels {
                uint32_t first, uint32_t last);
 } kernels;
 
+/* Those of them in which most of a step's time goes, with fused multiply-add: with bits of their
+ * own, the same for all sets that have it. */
+typedef struct fused_kernels {
+  void (*lambda)(const pair_pass *p, pbf_real *lambda, pbf_real *added, uint32_t first,
+                 uint32_t last);
+  void (*move)(const pair_pass *p, const move_pass *m, uint32_t first, uint32_t last);
+} fused_kernels;
+
 #endif

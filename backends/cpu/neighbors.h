@@ -73,7 +73,8 @@ PBF_FN lane_vector<lane> vector_of(const vector_table *t, lane_indices j, lane *
   return v;
 }
 
-static void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t first, uint32_t last) {
+static inline void pack(field x, const pbf_real *number, pbf_real *quads, uint32_t first,
+                        uint32_t last) {
   uint32_t i = first;
   for (; last - i >= WIDTH; i += WIDTH) {
     lane quad[4] = {lane_load(x.c[0] + i), lane_load(x.c[1] + i), ops<lane>::set(0),

@@ -106,8 +106,10 @@ struct pbf_backend_solver {
   const pbf_backend_host *host;
   const struct kernels *kernels;
   cpu_isa isa;
-  uint32_t threads;      /* at most */
-  int threads_by_choice; /* 1: as many of them as are worth it */
+  int is_fused;              /* 1: lambda and move have fused multiply-add, … */
+  struct kernels with_fused; /* … and `kernels` are these */
+  uint32_t threads;          /* at most */
+  int threads_by_choice;     /* 1: as many of them as are worth it */
   const struct team_api *team_api;
   struct team *team;
   team_tasks tasks;

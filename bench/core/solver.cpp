@@ -62,6 +62,8 @@ pbf_desc desc_of(const SolverOptions &options, const Scene *scene) {
   desc.precision = options.precision;
   desc.threads = options.threads;
   desc.device = options.device;
+  desc.determinism =
+      options.is_per_machine ? PBF_DETERMINISM_PER_MACHINE : PBF_DETERMINISM_ACROSS_MACHINES;
   desc.strict = 1;
   if (scene) {
     desc.dimension = scene->dimension;

@@ -18,6 +18,7 @@ struct SolverOptions {
   uint32_t precision = PBF_FLOAT32;
   uint32_t threads = 0;
   int32_t device = 0;
+  bool is_per_machine = false;  // pbf_desc.determinism
 };
 
 // Throws Error with the library's sentence.

@@ -308,6 +308,8 @@ export declare const constants: {
   readonly FIELD_PRESSURE: 5;
   readonly FLOAT32: 4;
   readonly FLOAT64: 8;
+  readonly DETERMINISM_ACROSS_MACHINES: 0;
+  readonly DETERMINISM_PER_MACHINE: 1;
   readonly LOG_INFO: 1;
   readonly LOG_WARNING: 2;
   readonly KERNEL_WENDLAND_C2: 0;

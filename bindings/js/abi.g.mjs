@@ -42,6 +42,8 @@ export const constants = Object.freeze({
   FIELD_PRESSURE: 5,
   FLOAT32: 4,
   FLOAT64: 8,
+  DETERMINISM_ACROSS_MACHINES: 0,
+  DETERMINISM_PER_MACHINE: 1,
   LOG_INFO: 1,
   LOG_WARNING: 2,
   KERNEL_WENDLAND_C2: 0,
@@ -94,7 +96,7 @@ export const constants = Object.freeze({
 // Of each field what it is, where it lies and, of an array, how many it has.
 export const structs = {
   pbf_desc: {
-    size: 68,
+    size: 76,
     fields: {
       structSize: ["u32", 0],
       apiVersion: ["u32", 4],
@@ -113,6 +115,8 @@ export const structs = {
       enqueueTask: ["pointer", 56],
       finishTask: ["pointer", 60],
       taskUser: ["pointer", 64],
+      determinism: ["u32", 68],
+      reserved: ["u32", 72],
     },
   },
   pbf_params: {

@@ -2,7 +2,7 @@
 #include <pbf/all.h>
 #include <stddef.h>
 
-_Static_assert(sizeof(pbf_desc) == 68, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_desc) == 76, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, api_version) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, dimension) == 8, "as abi.g.mjs has it");
@@ -20,6 +20,8 @@ _Static_assert(offsetof(pbf_desc, isa) == 52, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, enqueue_task) == 56, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, finish_task) == 60, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_desc, task_user) == 64, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_desc, determinism) == 68, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_desc, reserved) == 72, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_params) == 592, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, kernel) == 4, "as abi.g.mjs has it");

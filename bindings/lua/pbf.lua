@@ -93,7 +93,8 @@ local function solver_of(handle, desc, rest)
   return setmetatable(rest, Solver)
 end
 
--- options: dimension, precision (pbf.FLOAT32, pbf.FLOAT64), capacity, strict, backend, device, threads, isa;
+-- options: dimension, precision (pbf.FLOAT32, pbf.FLOAT64), capacity, strict, backend, device, threads, isa,
+-- determinism (pbf.DETERMINISM_ACROSS_MACHINES, pbf.DETERMINISM_PER_MACHINE);
 -- params: a table of what differs from the defaults; log: function(level, sentence).
 function pbf.solver(options)
   local desc, taken, kept = described(options, { params = true, log = true })

@@ -17,6 +17,15 @@ extern "C" {
 /* Precisions: bytes of a number. */
 enum { PBF_FLOAT32 = 4, PBF_FLOAT64 = 8 };
 
+/* Between which runs the CPU backends' bits are the same. */
+enum {
+  PBF_DETERMINISM_ACROSS_MACHINES = 0, /* all: with any instruction set and processor, too */
+  PBF_DETERMINISM_PER_MACHINE = 1      /* those on this machine, with this `isa`: with any number of
+                                          threads and capacity, again and again. In float32 sets with
+                                          fused multiply-add ("neon", "avx2", "avx512") then use it,
+                                          which is faster; pbf_info.device_name says so */
+};
+
 /* Levels of what is logged. */
 enum { PBF_LOG_INFO = 1, PBF_LOG_WARNING = 2 };
 
@@ -85,6 +94,8 @@ typedef struct pbf_desc {
   pbf_enqueue_task_fn enqueue_task;
   pbf_finish_task_fn finish_task;
   void *task_user;
+  uint32_t determinism; /* PBF_DETERMINISM_… */
+  uint32_t reserved;    /* 0 */
 } pbf_desc;
 
 /* Particles of a solver. */

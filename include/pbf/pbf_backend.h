@@ -86,7 +86,7 @@ typedef struct pbf_backend_desc {
    * come world after world before it is waited for, to run at once. 0: it is alone. Changes no bit.
    */
   uint32_t worlds;
-  uint32_t reserved;      /* 0 */
+  uint32_t determinism;   /* as in pbf_desc */
   const pbf_ranks *ranks; /* complete, valid during the call; null: alone. Only given to backends
                              with the extension PBF_BACKEND_RANKS */
 } pbf_backend_desc;

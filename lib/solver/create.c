@@ -73,6 +73,7 @@ static pbf_status create_with(const pbf_plugin *plugin, pbf_solver *solver,
       .finish_task = desc->finish_task,
       .task_user = desc->task_user,
       .worlds = checked->worlds,
+      .determinism = desc->determinism,
       .ranks = solver->ranks.count ? &solver->ranks : NULL,
   };
   pbf_params params = pbf_params_for_backend(&solver->params, desc->dimension);

@@ -11,6 +11,8 @@ from ._library import ffi, lib
 from ._numbers import shown
 
 PRECISIONS = {"float32": lib.PBF_FLOAT32, "float64": lib.PBF_FLOAT64}
+DETERMINISM = {"across machines": lib.PBF_DETERMINISM_ACROSS_MACHINES,
+               "per machine": lib.PBF_DETERMINISM_PER_MACHINE}
 FIELDS = {
     "position": lib.PBF_FIELD_POSITION, "velocity": lib.PBF_FIELD_VELOCITY,
     "id": lib.PBF_FIELD_ID, "density": lib.PBF_FIELD_DENSITY,

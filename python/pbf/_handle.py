@@ -9,7 +9,7 @@ import numpy as np
 
 from . import params as parameters
 from ._callbacks import Callbacks, Log, Told, destroy
-from ._choices import PRECISIONS, chars, precision_of
+from ._choices import DETERMINISM, PRECISIONS, chars, choice, precision_of
 from ._errors import Error, InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
 from ._numbers import ADDRESS_MAX, integer, uint32
@@ -31,6 +31,7 @@ def desc_struct(desc: Mapping[str, Any], stream: int, callbacks: Callbacks) -> t
     for name in ("dimension", "capacity", "threads"):
         setattr(struct, name, uint32(name, desc[name]))
     struct.precision = PRECISIONS[desc["precision"]]
+    struct.determinism = choice("determinism", desc["determinism"], DETERMINISM)
     struct.device = uint32("device", desc["device"])
     struct.strict = bool(desc["strict"])
     struct.backend = backend = chars("backend", desc["backend"])

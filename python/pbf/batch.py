@@ -108,7 +108,7 @@ class Batch(Owned):
                  velocities: AnyArray | None = None, *, dimension: int | None = None,
                  precision: str = "float32", capacity: int | None = None, backend: str = "auto",
                  device: int = 0, threads: int = 0, strict: bool = False, isa: str | None = None,
-                 stream: int = 0, log: Log | None = log_to_logging, params: Params | None = None,
+                 determinism: str = "across machines", stream: int = 0, log: Log | None = log_to_logging, params: Params | None = None,
                  **values: Unpack[ParamValues]) -> None:
         parameters.check_names(values, type(self).__name__)
         given = None if positions is None else numpy_of("positions", positions)
@@ -127,7 +127,7 @@ class Batch(Owned):
         self._create(uint32("worlds", worlds), {
             "dimension": dimension, "precision": precision_of(precision), "capacity": capacity,
             "backend": backend, "device": device, "threads": threads, "strict": strict,
-            "isa": isa}, stream, log, params, values)
+            "isa": isa, "determinism": determinism}, stream, log, params, values)
         if given is not None:
             self.add(given, velocities)
 

@@ -56,7 +56,8 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
     def __init__(self, positions: AnyArray | None = None, velocities: AnyArray | None = None, *,
                  dimension: int | None = None, precision: str = "float32",
                  capacity: int | None = None, backend: str = "auto", device: int = 0,
-                 threads: int = 0, strict: bool = False, isa: str | None = None, stream: int = 0,
+                 threads: int = 0, strict: bool = False, isa: str | None = None,
+                 determinism: str = "across machines", stream: int = 0,
                  log: Log | None = log_to_logging, params: Params | None = None,
                  **values: Unpack[ParamValues]) -> None:
         parameters.check_names(values, type(self).__name__)
@@ -70,7 +71,7 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
             capacity = DEFAULT_CAPACITY if given is None else max(1, len(given))
         self._create({"dimension": dimension, "precision": precision, "capacity": capacity,
                       "backend": backend, "device": device, "threads": threads, "strict": strict,
-                      "isa": isa}, stream, log, params, values)
+                      "isa": isa, "determinism": determinism}, stream, log, params, values)
         if given is not None:
             self.add(given, velocities)
 

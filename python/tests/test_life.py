@@ -48,6 +48,7 @@ def test_creation_that_fails_leaves_nothing():
             ({"params": {"viscosity": 1}}, pbf.InvalidArgumentError),
             ({"positions": 5}, pbf.InvalidArgumentError),
             ({"isa": "mmx", "backend": BACKEND}, pbf.Error),
+            ({"determinism": "never"}, pbf.InvalidArgumentError),
             ({"positions": [[9, 9, 9]]}, pbf.InvalidArgumentError)]:
         with pytest.raises(kind) as caught:
             pbf.Solver(**keywords)

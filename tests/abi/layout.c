@@ -15,7 +15,7 @@ AT(pbf_allocator, user, 8);
 AT(pbf_allocator, allocate, 16);
 AT(pbf_allocator, release, 24);
 
-SIZE(pbf_desc, 104);
+SIZE(pbf_desc, 112);
 AT(pbf_desc, struct_size, 0);
 AT(pbf_desc, api_version, 4);
 AT(pbf_desc, dimension, 8);
@@ -33,6 +33,8 @@ AT(pbf_desc, isa, 72);
 AT(pbf_desc, enqueue_task, 80);
 AT(pbf_desc, finish_task, 88);
 AT(pbf_desc, task_user, 96);
+AT(pbf_desc, determinism, 104);
+AT(pbf_desc, reserved, 108);
 
 /* pbf_params by params.def, which states the offsets: the members that params.h writes out are
  * those of the table, in its order, of its types and counts, and there are no others. */
@@ -351,7 +353,7 @@ AT(pbf_backend_desc, enqueue_task, 96);
 AT(pbf_backend_desc, finish_task, 104);
 AT(pbf_backend_desc, task_user, 112);
 AT(pbf_backend_desc, worlds, 120);
-AT(pbf_backend_desc, reserved, 124);
+AT(pbf_backend_desc, determinism, 124);
 AT(pbf_backend_desc, ranks, 128);
 
 SIZE(pbf_particles, 40);

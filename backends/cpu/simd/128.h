@@ -56,6 +56,14 @@ PBF_FN lane roots_of(lane a) {
 #endif
 }
 
+/* a b + c, rounded once where the lanes are FUSED. */
+PBF_FN lane product_plus(lane a, lane b, lane c) {
+#if defined(__aarch64__) && PBF_BITS == 32
+  if (FUSED) return (lane)vfmaq_f32((float32x4_t)c, (float32x4_t)a, (float32x4_t)b);
+#endif
+  return a * b + c;
+}
+
 /* a > b ? a : b */
 PBF_FN lane larger_of(lane a, lane b) {
 #if defined(__wasm_simd128__) && PBF_BITS == 32
@@ -77,7 +85,7 @@ struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane){a, a}; }
 #endif
   static PBF_IN lane max(lane a, lane b) { return larger_of(a, b); }
-  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return product_plus(a, b, c); }
   static PBF_IN lane sqrt(lane a) { return roots_of(a); }
   static PBF_IN lane root(lane a) { return sqrt(a); }
   static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }

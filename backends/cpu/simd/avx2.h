@@ -21,7 +21,9 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm256_set1_ps(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm256_max_ps((__m256)a, (__m256)b); }
-  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) {
+    return FUSED ? (lane)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c) : a * b + c;
+  }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm256_sqrt_ps((__m256)a); }
   static PBF_IN lane root(lane a) { return sqrt(a); }
   static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }

@@ -22,7 +22,9 @@ template <>
 struct ops<lane> {
   static PBF_IN lane set(pbf_real a) { return (lane)_mm512_set1_ps(a); }
   static PBF_IN lane max(lane a, lane b) { return (lane)_mm512_max_ps((__m512)a, (__m512)b); }
-  static PBF_IN lane multiply_add(lane a, lane b, lane c) { return a * b + c; }
+  static PBF_IN lane multiply_add(lane a, lane b, lane c) {
+    return FUSED ? (lane)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c) : a * b + c;
+  }
   static PBF_IN lane sqrt(lane a) { return (lane)_mm512_sqrt_ps((__m512)a); }
   static PBF_IN lane root(lane a) { return sqrt(a); }
   static PBF_IN lane over_root(lane b, lane a) { return b / sqrt(a); }

@@ -30,6 +30,13 @@ enum { BUILT_FOR_SIZE = 1 };
 enum { BUILT_FOR_SIZE = 0 };
 #endif
 
+/* Whether ops<lane>::multiply_add rounds once, as pbf_desc.determinism may allow; in float32. */
+#ifdef PBF_LANES_FUSED
+enum { FUSED = 1 };
+#else
+enum { FUSED = 0 };
+#endif
+
 #if defined(PBF_LANES_AVX512)
 #include "cpu/simd/avx512.h"
 #elif defined(PBF_LANES_AVX2)

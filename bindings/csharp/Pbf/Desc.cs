@@ -16,6 +16,8 @@ namespace Pbf
         public int Device;
         public uint Threads;
         public string Isa;
+        /// <summary>Constants.DeterminismAcrossMachines or Constants.DeterminismPerMachine.</summary>
+        public uint Determinism;
         /// <summary>A cudaStream_t, or zero.</summary>
         public IntPtr Stream;
         /// <summary>
@@ -72,6 +74,7 @@ namespace Pbf
             raw.Strict = Strict ? 1u : 0u;
             raw.Device = Device;
             raw.Threads = Threads;
+            raw.Determinism = Determinism;
             raw.Stream = Stream;
             return Text.With("Desc.Backend", Backend, backend => Text.With("Desc.Isa", Isa, isa =>
             {

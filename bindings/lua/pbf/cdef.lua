@@ -39,6 +39,10 @@ enum {
   PBF_FLOAT64 = 8,
 };
 enum {
+  PBF_DETERMINISM_ACROSS_MACHINES = 0,
+  PBF_DETERMINISM_PER_MACHINE = 1,
+};
+enum {
   PBF_LOG_INFO = 1,
   PBF_LOG_WARNING = 2,
 };
@@ -166,6 +170,8 @@ typedef struct pbf_desc {
   pbf_enqueue_task_fn enqueue_task;
   pbf_finish_task_fn finish_task;
   void *task_user;
+  uint32_t determinism;
+  uint32_t reserved;
 } pbf_desc;
 typedef struct pbf_params {
   uint32_t struct_size;
@@ -704,7 +710,7 @@ pbf_status pbf_load_shape(const void *buffer, uint64_t size, pbf_shape * *shape)
 -- Where the C compiler has each field; spec for the test of this module.
 return {
   pbf_allocator = {size = 32, struct_size = 0, reserved = 4, user = 8, allocate = 16, release = 24},
-  pbf_desc = {size = 104, struct_size = 0, api_version = 4, dimension = 8, precision = 12, capacity = 16, strict = 20, backend = 24, device = 32, threads = 36, stream = 40, allocator = 48, log = 56, log_user = 64, isa = 72, enqueue_task = 80, finish_task = 88, task_user = 96},
+  pbf_desc = {size = 112, struct_size = 0, api_version = 4, dimension = 8, precision = 12, capacity = 16, strict = 20, backend = 24, device = 32, threads = 36, stream = 40, allocator = 48, log = 56, log_user = 64, isa = 72, enqueue_task = 80, finish_task = 88, task_user = 96, determinism = 104, reserved = 108},
   pbf_params = {size = 592, struct_size = 0, kernel = 4, smoothing_radius = 8, spacing = 16, particle_volume = 24, time_step = 32, iterations = 40, collide = 44, gravity = 48, attraction = 72, attraction_center = 80, over_relaxation = 104, cfm = 112, cohesion = 120, min_diagonal = 128, wall_density = 136, scorr_k = 144, scorr_dq = 152, scorr_n = 160, solver = 164, vorticity = 168, viscosity = 176, domain_min = 184, domain_max = 208, wall_velocity = 232, wall_amplitude = 280, wall_frequency = 328, wall_phase = 376, search_cell_width = 424, sleep_speed = 432, sleep_time = 440, tolerance = 448, pressure_grid = 456, prestabilization = 464, damping_compensation = 472, angular_momentum_correction = 480, drag = 488, drag_velocity = 496, max_depenetration_speed = 520, max_substeps = 528, loads = 532, shear_stress_correction = 536, wall_friction = 544, wall_static_friction = 552, wall_no_slip = 560, surface_tension = 568, periodic = 576, reserved = 580, wall_adhesion = 584},
   pbf_collider = {size = 288, struct_size = 0, shape = 4, inverted = 8, path = 12, position = 16, orientation = 40, velocity = 72, angular_velocity = 96, axis = 120, half_extents = 144, radius = 168, half_length = 176, half_extents_rate = 184, radius_rate = 208, half_length_rate = 216, duration = 224, geometry = 232, scale = 240, scale_rate = 248, friction = 256, static_friction = 264, no_slip = 272, adhesion = 280},
   pbf_collider_load = {size = 128, struct_size = 0, contacts = 4, impulse = 8, angular_impulse = 32, impulse_sum = 56, angular_impulse_sum = 80, time_sum = 104, penetration = 112, wetted_area = 120},

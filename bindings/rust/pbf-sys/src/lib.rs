@@ -48,6 +48,8 @@ pub const PBF_FIELD_DENSITY: u32 = 4;
 pub const PBF_FIELD_PRESSURE: u32 = 5;
 pub const PBF_FLOAT32: u32 = 4;
 pub const PBF_FLOAT64: u32 = 8;
+pub const PBF_DETERMINISM_ACROSS_MACHINES: u32 = 0;
+pub const PBF_DETERMINISM_PER_MACHINE: u32 = 1;
 pub const PBF_LOG_INFO: u32 = 1;
 pub const PBF_LOG_WARNING: u32 = 2;
 pub const PBF_KERNEL_WENDLAND_C2: u32 = 0;
@@ -168,6 +170,8 @@ pub struct pbf_desc {
     pub enqueue_task: pbf_enqueue_task_fn,
     pub finish_task: pbf_finish_task_fn,
     pub task_user: *mut c_void,
+    pub determinism: u32,
+    pub reserved: u32,
 }
 
 #[repr(C)]
@@ -1249,7 +1253,7 @@ mod layout {
 
     #[test]
     fn pbf_desc_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_desc>(), 104);
+        assert_eq!(size_of::<pbf_desc>(), 112);
         assert_eq!(offset!(pbf_desc, struct_size), 0);
         assert_eq!(offset!(pbf_desc, api_version), 4);
         assert_eq!(offset!(pbf_desc, dimension), 8);
@@ -1267,6 +1271,8 @@ mod layout {
         assert_eq!(offset!(pbf_desc, enqueue_task), 80);
         assert_eq!(offset!(pbf_desc, finish_task), 88);
         assert_eq!(offset!(pbf_desc, task_user), 96);
+        assert_eq!(offset!(pbf_desc, determinism), 104);
+        assert_eq!(offset!(pbf_desc, reserved), 108);
     }
 
     #[test]

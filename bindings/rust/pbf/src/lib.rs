@@ -38,7 +38,7 @@ pub use diffuse::{Diffuse, DiffuseArrays};
 pub use emission::{Emitter, Reservoir};
 pub use error::{Error, Result, Status};
 pub use log::{Level, LogFn};
-pub use params::{Desc, Params};
+pub use params::{Desc, Determinism, Params};
 pub use pbf_sys as sys;
 pub use pbf_sys::pbf_batch_info as BatchInfo;
 pub use pbf_sys::pbf_collider_load as Load;

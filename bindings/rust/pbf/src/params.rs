@@ -27,6 +27,16 @@ impl Params {
     }
 }
 
+/// Between which runs the bits are the same: `pbf_desc.determinism`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Determinism {
+    #[default]
+    AcrossMachines = sys::PBF_DETERMINISM_ACROSS_MACHINES,
+    /// Faster on CPUs with fused multiply-add.
+    PerMachine = sys::PBF_DETERMINISM_PER_MACHINE,
+}
+
 /// What cannot change in a solver's life: `pbf_desc`. Its precision is the type of [`crate::Solver`].
 #[derive(Clone)]
 pub struct Desc {
@@ -38,6 +48,7 @@ pub struct Desc {
     pub device: i32,
     pub threads: u32,
     pub isa: Option<String>,
+    pub determinism: Determinism,
     /// Is told complete sentences, from whichever thread is in the library; see [`Desc::with_log`].
     pub log: Option<LogFn>,
 }
@@ -55,6 +66,7 @@ impl Default for Desc {
             device: raw.device,
             threads: raw.threads,
             isa: None,
+            determinism: Determinism::default(),
             log: None,
         }
     }
@@ -91,6 +103,7 @@ impl Desc {
         raw.backend = backend.as_ptr();
         raw.device = self.device;
         raw.threads = self.threads;
+        raw.determinism = self.determinism as u32;
         raw.isa = isa.as_ref().map_or(std::ptr::null(), |name| name.as_ptr());
         call(raw)
     }
