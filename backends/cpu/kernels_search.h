@@ -41,13 +41,14 @@ static inline u32_lanes near_mask(const search *s, const run *r, uint32_t first,
                                   uint32_t end) {
   u32_lanes near = u32_set(0);
   const lane h2 = ops<lane>::set(s->h2);
-  for (uint32_t slot = begin; slot < end; ++slot) {
+  u32_lanes bit = u32_set(slot_bit(begin));
+  for (uint32_t slot = begin; slot < end; ++slot, bit = next_slot_bit(bit)) {
     lane r2 = ops<lane>::set(0);
     for (int k = 0; k < PBF_DIM; ++k) {
       lane d = r->x[k] - ops<lane>::set(s->x.c[k][first + slot - 1]);
       r2 = k ? ops<lane>::multiply_add(d, d, r2) : d * d;
     }
-    near = u32_mark(near, r2, h2, 0x80000000u >> slot);
+    near = u32_mark(near, r2, h2, bit);
   }
   u32_lanes lane_number = u32_iota();
   u32_lanes self = lane_number + u32_set(r->group * WIDTH - first + 1);
@@ -68,10 +69,10 @@ static int next_window(const search *s, const run *r, candidate_range *c, neighb
     uint32_t any = u32_any(near);
     c->next += size;
     if (!any) continue;
-    uint32_t lead = (uint32_t)__builtin_clz(any) - 1;
+    uint32_t lead = first_slot(any) - 1;
     w->first = c->next - size + lead;
     w->image = c->image;
-    w->near = u32_shift_left(near, (int)lead);
+    w->near = slots_from(near, (int)lead);
     if (lead) {
       uint32_t more = c->end - c->next < lead ? c->end - c->next : lead;
       w->near = w->near | near_mask(s, r, w->first, 1 + size - lead, 1 + size - lead + more);

@@ -115,7 +115,7 @@ PBF_FN u32_lanes u32_load(const uint32_t *p) {
 PBF_FN void u32_store(uint32_t *p, u32_lanes a) { memcpy(p, &a, sizeof a); }
 PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) { return a >> u32_set((uint32_t)count); }
 PBF_FN u32_lanes u32_bit(u32_lanes s) {
-  for (int k = 0; k < WIDTH; ++k) s[k] = s[k] < SLOTS ? 0x80000000u >> s[k] : 0;
+  for (int k = 0; k < WIDTH; ++k) s[k] = s[k] < SLOTS ? 1u << s[k] : 0;
   return s;
 }
 PBF_FN uint32_t u32_max(u32_lanes a) {
@@ -123,8 +123,8 @@ PBF_FN uint32_t u32_max(u32_lanes a) {
   for (int k = 1; k < WIDTH; ++k) largest = a[k] > largest ? a[k] : largest;
   return largest;
 }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
-  return m | (u32_of_mask(a < b) & u32_set(bit));
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
+  return m | (u32_of_mask(a < b) & bit);
 }
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) { return (u32_lanes)(a < u32_set(limit)); }
 

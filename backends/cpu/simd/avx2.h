@@ -48,10 +48,10 @@ PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
   return (u32_lanes)_mm256_srli_epi32((__m256i)a, count);
 }
 PBF_FN u32_lanes u32_bit(u32_lanes s) {
-  return (u32_lanes)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
+  return (u32_lanes)_mm256_sllv_epi32(_mm256_set1_epi32(1), (__m256i)s);
 }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
-  return m | ((u32_lanes)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ) & u32_set(bit));
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
+  return m | ((u32_lanes)_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ) & bit);
 }
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   return (u32_lanes)_mm256_cmpgt_epi32(_mm256_set1_epi32((int)limit), (__m256i)a);
@@ -146,12 +146,12 @@ PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
   return (u32_lanes)_mm_srli_epi32((__m128i)a, count);
 }
 PBF_FN u32_lanes u32_bit(u32_lanes s) {
-  return (u32_lanes)_mm_srlv_epi32(_mm_set1_epi32(INT32_MIN), (__m128i)s);
+  return (u32_lanes)_mm_sllv_epi32(_mm_set1_epi32(1), (__m128i)s);
 }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
   __m256i less = _mm256_castpd_si256(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ));
   __m256i packed = _mm256_permutevar8x32_epi32(less, _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6));
-  return m | ((u32_lanes)_mm256_castsi256_si128(packed) & u32_set(bit));
+  return m | ((u32_lanes)_mm256_castsi256_si128(packed) & bit);
 }
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   return (u32_lanes)_mm_cmpgt_epi32(_mm_set1_epi32((int)limit), (__m128i)a);

@@ -50,9 +50,9 @@ PBF_FN u32_lanes u32_bit(u32_lanes s) {
   return (u32_lanes)_mm512_srlv_epi32(_mm512_set1_epi32(INT32_MIN), (__m512i)s);
 }
 PBF_FN uint32_t u32_max(u32_lanes a) { return _mm512_reduce_max_epu32((__m512i)a); }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
   __mmask16 less = _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
-  return (u32_lanes)_mm512_mask_or_epi32((__m512i)m, less, (__m512i)m, _mm512_set1_epi32((int)bit));
+  return (u32_lanes)_mm512_mask_or_epi32((__m512i)m, less, (__m512i)m, (__m512i)bit);
 }
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   __mmask16 below = _mm512_cmplt_epu32_mask((__m512i)a, _mm512_set1_epi32((int)limit));
@@ -152,16 +152,16 @@ PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) {
   return (u32_lanes)_mm256_srli_epi32((__m256i)a, count);
 }
 PBF_FN u32_lanes u32_bit(u32_lanes s) {
-  return (u32_lanes)_mm256_srlv_epi32(_mm256_set1_epi32(INT32_MIN), (__m256i)s);
+  return (u32_lanes)_mm256_sllv_epi32(_mm256_set1_epi32(1), (__m256i)s);
 }
 PBF_FN uint32_t u32_max(u32_lanes a) {
   uint32_t largest = a[0];
   for (int k = 1; k < WIDTH; ++k) largest = a[k] > largest ? a[k] : largest;
   return largest;
 }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) {
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
   __mmask8 less = _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
-  return (u32_lanes)_mm256_mask_or_epi32((__m256i)m, less, (__m256i)m, _mm256_set1_epi32((int)bit));
+  return (u32_lanes)_mm256_mask_or_epi32((__m256i)m, less, (__m256i)m, (__m256i)bit);
 }
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) {
   __mmask8 below = _mm256_cmplt_epu32_mask((__m256i)a, _mm256_set1_epi32((int)limit));

@@ -10,8 +10,9 @@
  *   quads   four reals a particle, side by side, the sentinel's before them: a load a lane gets all
  * four
  *
- * Which slots of a window a lane wants is a mask, slot s
- * being bit 31 - s % 32.
+ * Which slots of a window a lane wants is a mask: slot s is bit s % 32, the lowest of which a
+ * processor finds and clears fastest in a word, or with LANES_LIST_BY_MASKS bit 31 - s % 32, the
+ * highest of which it finds in all lanes of a vector.
  */
 #ifndef PBF_CPU_SIMD_LANES_H
 #define PBF_CPU_SIMD_LANES_H
@@ -47,6 +48,20 @@ enum { FUSED = 0 };
 #include "cpu/simd/scalar.h"
 #endif
 
+/* Slots of one window, 0 … 31: the bit of one, in all lanes that of the slot behind, the first of a
+ * mask, and masks of a window that begins `count` slots later. */
+#ifdef LANES_LIST_BY_MASKS
+PBF_FN uint32_t slot_bit(uint32_t slot) { return 0x80000000u >> slot; }
+PBF_FN u32_lanes next_slot_bit(u32_lanes bit) { return u32_shift_right(bit, 1); }
+PBF_FN uint32_t first_slot(uint32_t mask) { return (uint32_t)__builtin_clz(mask); }
+PBF_FN u32_lanes slots_from(u32_lanes m, int count) { return u32_shift_left(m, count); }
+#else
+PBF_FN uint32_t slot_bit(uint32_t slot) { return 1u << slot; }
+PBF_FN u32_lanes next_slot_bit(u32_lanes bit) { return bit + bit; }
+PBF_FN uint32_t first_slot(uint32_t mask) { return (uint32_t)__builtin_ctz(mask); }
+PBF_FN u32_lanes slots_from(u32_lanes m, int count) { return u32_shift_right(m, count); }
+#endif
+
 /* Set bits of each lane. */
 PBF_FN u32_lanes u32_popcount(u32_lanes m) {
   m = m - (u32_shift_right(m, 1) & u32_set(0x55555555u));
@@ -68,15 +83,13 @@ PBF_FN void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t
  */
 enum { BITS_AT_ONCE = 8 };
 
-PBF_FN uint32_t leading_zeros(uint64_t m) { return (uint32_t)__builtin_clzll(m); }
-
 PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
   uint8_t *end = next + (uint32_t)__builtin_popcountll(m) * WIDTH;
   do {
     for (int k = 0; k < BITS_AT_ONCE; ++k, next += WIDTH) {
-      const uint32_t slot = leading_zeros(m | 1);
-      *next = (uint8_t)(part * SLOTS + slot);
-      m &= ~(UINT64_C(0x8000000000000000) >> slot);
+      const uint64_t some = m | UINT64_C(0x8000000000000000);
+      *next = (uint8_t)(part * SLOTS + (uint32_t)__builtin_ctzll(some));
+      m &= m - 1;
     }
   } while (m);
   return end;
@@ -84,8 +97,8 @@ PBF_FN uint8_t *list_bits(uint64_t m, uint32_t part, uint8_t *next) {
 
 /* Built for size: one at a time. */
 PBF_FN uint8_t *list_each_bit(uint64_t m, uint32_t part, uint8_t *next) {
-  for (; m; m &= ~(UINT64_C(0x8000000000000000) >> leading_zeros(m)), next += WIDTH)
-    *next = (uint8_t)(part * SLOTS + leading_zeros(m));
+  for (; m; m &= m - 1, next += WIDTH)
+    *next = (uint8_t)(part * SLOTS + (uint32_t)__builtin_ctzll(m));
   return next;
 }
 
@@ -97,7 +110,7 @@ static inline void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, 
   for (uint32_t l = 0; l < WIDTH; ++l) {
     uint8_t *next = space + l;
     for (uint32_t part = 0; part < PARTS; part += 2) {
-      uint64_t m = (uint64_t)bits[part][l] << 32 | bits[part + 1][l];
+      uint64_t m = (uint64_t)bits[part + 1][l] << 32 | bits[part][l];
       next = BUILT_FOR_SIZE ? list_each_bit(m, part, next) : list_bits(m, part, next);
     }
     for (int k = 0; k < BITS_AT_ONCE && !BUILT_FOR_SIZE; ++k) next[k * WIDTH] = 0;

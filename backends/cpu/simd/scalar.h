@@ -21,10 +21,12 @@ PBF_FN u32_lanes u32_iota(void) { return 0; }
 PBF_FN u32_lanes u32_load(const uint32_t *p) { return *p; }
 PBF_FN void u32_store(uint32_t *p, u32_lanes a) { *p = a; }
 PBF_FN u32_lanes u32_shift_right(u32_lanes a, int count) { return a >> count; }
-PBF_FN u32_lanes u32_bit(u32_lanes s) { return s < SLOTS ? 0x80000000u >> s : 0; }
+PBF_FN u32_lanes u32_bit(u32_lanes s) { return s < SLOTS ? 1u << s : 0; }
 PBF_FN uint32_t u32_max(u32_lanes a) { return a; }
 PBF_FN uint32_t u32_any(u32_lanes a) { return a; }
-PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, uint32_t bit) { return a < b ? m | bit : m; }
+PBF_FN u32_lanes u32_mark(u32_lanes m, lane a, lane b, u32_lanes bit) {
+  return a < b ? m | bit : m;
+}
 PBF_FN u32_lanes u32_below(u32_lanes a, uint32_t limit) { return a < limit ? ~0u : 0; }
 PBF_FN u32_lanes u32_shift_left(u32_lanes a, int count) { return a << count; }
 PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) { return *p; }
