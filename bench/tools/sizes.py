@@ -20,7 +20,8 @@ FEATURES_OF_HELLO = {"wall_density", "chebyshev", "stats"}
 FEATURES = [name.lower() for name in re.findall(
     r"^PBF_FEATURE\((\w+),", (ROOT / "backends" / "physics" / "features.def").read_text(encoding="utf-8"), re.MULTILINE)]
 GAME = {"PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial;openmp;cuda", "PBF_ISAS": "sse2;avx2;avx512"}
-SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel"}
+SMALL = {"PBF_STATIC": "ON", "PBF_VARIANTS": "3d-f32", "PBF_BACKENDS": "serial", "CMAKE_BUILD_TYPE": "MinSizeRel",
+         "PBF_FUSED": "OFF"}
 BUILDS = {
     "whole": {},
     "whole, on CPUs": {"PBF_BACKENDS": "reference;serial;threads;openmp"},

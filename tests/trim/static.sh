@@ -12,7 +12,7 @@ quiet() { "$@" >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }; }
 build() {
   mkdir -p "$folder/$1"
   quiet "$cmake" -S "$source" -B "$folder/$1" -DCMAKE_C_COMPILER="$cc" -DCMAKE_BUILD_TYPE=MinSizeRel \
-    -DPBF_WERROR=ON -DPBF_STATIC=ON -DPBF_BACKENDS=serial -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" \
+    -DPBF_WERROR=ON -DPBF_STATIC=ON -DPBF_BACKENDS=serial -DPBF_VARIANTS=3d-f32 "-DPBF_ISAS=sse2;avx2" -DPBF_FUSED=OFF \
     "-DPBF_WITHOUT=$2" -DPBF_BUILD_BENCH=OFF -DPBF_BUILD_EXAMPLES=OFF -DPBF_BUILD_TESTS=ON
   quiet "$cmake" --build "$folder/$1" --parallel 2 --target pbf "$3"
   (cd "$folder/$1" && quiet "$ctest" -L "$4" -E "$often" --output-on-failure)

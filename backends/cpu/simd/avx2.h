@@ -69,12 +69,14 @@ typedef struct lane_indices {
   __m256 known;
 } lane_indices;
 PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
-  __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
-  u32_lanes begin = (u32_lanes)_mm256_permutevar8x32_epi32(firsts, (__m256i)u32_shift_right(s, 5));
+  const u32_lanes slot_one = {1, 33, 65, 97, 129, 161, 193, 225}; /* of each part */
+  const u32_lanes less =
+      (u32_lanes)_mm256_loadu_si256((const __m256i *)(const void *)first) - slot_one;
+  u32_lanes begin =
+      (u32_lanes)_mm256_permutevar8x32_epi32((__m256i)less, (__m256i)u32_shift_right(s, 5));
   __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
   __m256i sentinel = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
-  u32_lanes index = begin + (s & u32_set(SLOTS - 1)) - u32_set(1);
-  return (lane_indices){(__m256i)(index | (u32_lanes)sentinel), _mm256_castsi256_ps(known)};
+  return (lane_indices){(__m256i)((begin + s) | (u32_lanes)sentinel), _mm256_castsi256_ps(known)};
 }
 PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
   (void)first;
