@@ -149,9 +149,11 @@ static extent topology_bytes(const solver *s) {
   return {pbf_topology_memory_bytes(s->capacity), 0};
 }
 
-/* Of both numbers of a cell, where ranks add them up; without ranks none. */
+static extent cell_move_words(const solver *s) { return {pbf_cell_move_words(s->capacity), 0}; }
+
+/* Of all numbers of a cell, where ranks add them up; without ranks none. */
 static extent words_of_cells(const solver *s) {
-  enum { NUMBERS = 2 };
+  enum { NUMBERS = 2 + PBF_DIM };
   return {s->ranks.count ? NUMBERS * PIECES * pbf_pressure_grid_max_nodes(s->capacity) : 0, 0};
 }
 
@@ -185,6 +187,7 @@ struct optional_array {
     return true;
   }
   bool keep(pbf_topology_memory *memory, extent e) const { return keep(&memory->bytes, e); }
+  bool keep(pbf_cell_moves *moves, extent e) const { return keep(&moves->sums, e); }
   bool keep() const { return true; } /* other backends' */
 };
 

@@ -45,6 +45,7 @@ const kernels PBF_VARIANT_API = {
     .placed_density = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? placed_density : NULL,
     .residual_density = residual_density,
     .deposit = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit : NULL,
+    .deposit_moves = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit_moves : NULL,
     .apply_correction = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? apply_correction : NULL,
     .equations = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? equations : NULL,
     .relax = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? relax : NULL,

@@ -88,6 +88,26 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
   }
 }
 
+static void deposit_moves(const pbf_pressure_grid_storage *storage, field x, field v,
+                          uint32_t first, uint32_t last) {
+  const pbf_pressure_grid c = storage->grid;
+  for (uint32_t count; first < last; first += count) {
+    pressure_grid_places places;
+    count = pressure_grid_chunk(first, last);
+    find_places(&c, &x, first, count, &places);
+    if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
+    for (uint32_t l = 0; l < count;) {
+      const uint32_t cell = places.cells[l];
+      int64_t moves[PBF_DIM] = {0};
+      for (; l < count && places.cells[l] == cell; ++l)
+        for (int k = 0; k < PBF_DIM; ++k) moves[k] += pbf_cell_move_entry(&c, v.c[k][first + l]);
+      if (cell == PBF_NO_INDEX) continue;
+      int64_t *sums = storage->cell_moves + (uint64_t)PBF_DIM * cell;
+      for (int k = 0; k < PBF_DIM; ++k) __atomic_fetch_add(&sums[k], moves[k], __ATOMIC_RELAXED);
+    }
+  }
+}
+
 /* Lambda at the corners of the particles' cells. */
 typedef struct pressure_grid_corners {
   double lambda[PBF_CORNERS][PRESSURE_GRID_CHUNK];

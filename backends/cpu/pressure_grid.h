@@ -19,6 +19,7 @@ static void end_search_with_grid(void *context) {
   solver *s = w->s;
   end_search(w);
   if (s->wanted.lacking) return;
+  s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
                           s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles,
                           s->table.divided);
@@ -37,6 +38,9 @@ static void deposit_task(void *context, uint32_t task) {
     for (uint32_t i = r.first; i < r.last; ++i) grid_densities(s)[i] = w->constants.target;
   s->kernels->deposit(&s->pressure_grid, w->constants.target, w->b.sorted_predicted,
                       grid_densities(s), w->b.sorted_overlap, all.first, all.last);
+  if (s->pressure_grid.cell_moves)
+    s->kernels->deposit_moves(&s->pressure_grid, w->b.sorted_predicted, w->b.sorted_velocity,
+                              all.first, all.last);
 }
 
 static void end_deposit(void *context) {

@@ -51,6 +51,8 @@ static void add_up_cells(solver *s) {
     cut_number(storage->sums[cell], words);
     cut_number(storage->places[cell], words + PIECES);
     words += 2 * PIECES;
+    for (uint64_t k = 0; k < PBF_DIM && storage->cell_moves; ++k, words += PIECES)
+      cut_number(storage->cell_moves[PBF_DIM * cell + k], words);
   });
   if (!sum_on_ranks(s, s->rank_words, (uint64_t)(words - s->rank_words))) return;
   words = s->rank_words;
@@ -58,6 +60,8 @@ static void add_up_cells(solver *s) {
     storage->sums[cell] = number_of_pieces(words);
     storage->places[cell] = number_of_pieces(words + PIECES);
     words += 2 * PIECES;
+    for (uint64_t k = 0; k < PBF_DIM && storage->cell_moves; ++k, words += PIECES)
+      storage->cell_moves[PBF_DIM * cell + k] = number_of_pieces(words);
   });
 }
 

@@ -222,7 +222,9 @@ struct executor : launcher {
       pressure_grid_arrays own = arrays; /* on ranks what their own particles add */
       if (has_ranks(s)) own.sums = rank_sums(s->ranks.room, s->ranks.count, s->ranks.halo_room);
       if (has_ranks(s)) own.places = own.sums + (arrays.places - arrays.sums);
-      status = clear_pressure_grid(s, arrays, own.sums);
+      if (has_ranks(s) && arrays.cell_moves)
+        own.cell_moves = own.sums + 2 * pressure_grid_indices(s);
+      status = clear_pressure_grid(s, arrays, own);
       const pbf_moving_obstacles moving = moving_obstacles_at(s, time - s->params.time_step);
       const bool stand = !moving.surfaces && !moving.others;
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);

@@ -5,6 +5,7 @@
 
 #include "cuda/barrier.h"
 #include "cuda/kernels.h"
+#include "physics/pressure_grid/cell_drag.h"
 #include "physics/pressure_grid/particles.h"
 #include "physics/pressure_grid/solve.h"
 
@@ -23,6 +24,7 @@ struct pressure_grid_control {
 struct pressure_grid_arrays {
   pressure_grid_control *control;    /* the first of all arrays; null: there is no grid */
   unsigned long long *sums, *places; /* of cells; the places lie behind the sums of the grid */
+  unsigned long long *cell_moves;    /* of cells, along each axis; null where there is no drag */
   double *free_volumes;              /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
@@ -56,6 +58,11 @@ static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity)
       pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)));
 }
 
+/* Where there is drag. */
+static inline uint64_t pbf_cell_move_words(uint32_t capacity) {
+  return PBF_DIM * pbf_pressure_grid_max_nodes(capacity);
+}
+
 /* What a topology has been found of, beside colliders that stand still. While it is the same, all
  * that would be found again is. */
 struct found_topology {
@@ -74,6 +81,7 @@ static inline pressure_grid_arrays pressure_grid_arrays_in(void *memory, uint32_
   a.control = static_cast<pressure_grid_control *>(memory);
   a.sums = reinterpret_cast<unsigned long long *>(a.control + 1);
   a.places = a.sums + nodes;
+  a.cell_moves = nullptr;
   double *next = reinterpret_cast<double *>(a.sums + limit);
   double **const arrays[] = {&a.free_volumes, &a.depths, &a.right,
                              &a.inverse,      &a.lambda, &a.before};
@@ -134,6 +142,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   atomicAdd(&a.sums[cell],
             (unsigned long long)pbf_pressure_grid_entry(c->target, density, overlap));
   atomicAdd(&a.places[cell], (unsigned long long)pbf_pressure_grid_place_entry(at));
+  for (uint64_t k = 0; k < PBF_DIM && a.cell_moves; ++k)
+    atomicAdd(&a.cell_moves[(uint64_t)PBF_DIM * cell + k],
+              (unsigned long long)pbf_cell_move_entry(&grid, n.particles.velocities[i].c[k]));
 }
 
 /* ---- Thin solids: a thread a cell, or a node ------------------------------------------------ */
@@ -278,6 +289,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     pbf_pressure_grid_equation(&grid, &a.topology, &source_scale, pressure_grid_integers(a.sums),
                                a.free_volumes, a.depths, node, &right, &inverse);
     if (a.topology.surface_count && a.topology.torn[node]) inverse = 0;
+    if (a.cell_moves && inverse > 0)
+      right += pbf_drag_at_node(&grid, source_scale.part, pressure_grid_integers(a.sums),
+                                pressure_grid_integers(a.cell_moves), a.free_volumes, node);
     a.right[node] = right;
     a.inverse[node] = inverse;
   } else if (node - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
@@ -286,6 +300,10 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                     pressure_grid_integers(a.sums), a.free_volumes, a.depths, torn);
     right = a.topology.right[torn];
     inverse = a.topology.inverse[torn];
+    if (a.cell_moves && inverse > 0)
+      a.topology.right[torn] = right += pbf_drag_at_torn_node(
+          &grid, &a.topology, source_scale.part, pressure_grid_integers(a.sums),
+          pressure_grid_integers(a.cell_moves), a.free_volumes, torn);
   }
   double largest = inverse > 0 ? fabs(right) : 0;
   for (int step = 16; step > 0; step /= 2)

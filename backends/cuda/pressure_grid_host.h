@@ -138,9 +138,16 @@ static inline uint32_t pressure_grid_indices(const solver *s) {
 
 /* Before the particles are summed up, in sums that lie elsewhere on ranks. */
 static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arrays &arrays,
-                                             unsigned long long *sums) {
+                                             const pressure_grid_arrays &own) {
+  unsigned long long *sums = own.sums;
   const uint64_t bytes = 2 * pressure_grid_indices(s) * sizeof *sums;
   const bool apart = sums != arrays.sums;
+  if (own.cell_moves)
+    if (pbf_status status = pbf_cuda_check(
+            cudaMemsetAsync(own.cell_moves, 0,
+                            PBF_DIM * pressure_grid_indices(s) * sizeof *own.cell_moves, s->stream),
+            "cudaMemsetAsync"))
+      return status;
   if (apart)
     if (pbf_status status =
             pbf_cuda_check(cudaMemsetAsync(sums, 0, bytes, s->stream), "cudaMemsetAsync"))
@@ -170,8 +177,8 @@ static inline pbf_status add_sums_of_ranks(solver *s, const pressure_grid_arrays
                            "cudaMemcpyAsync"))
       return status;
   meet_ranks(s, [&](const rank_place &place) {
-    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, r.halo_room, indices,
-                                                                       arrays.sums);
+    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(
+        place, r.halo_room, indices, arrays.sums, arrays.cell_moves);
   });
   return s->ranks.failed ? s->ranks.failed : pbf_cuda_check_launch("add_sums_kernel");
 }

@@ -447,23 +447,28 @@ static __device__ __forceinline__ uint32_t index_on(const rank_place &p, uint32_
 }
 
 /* Adds up what all ranks' particles make of the cells: integers, in any order. Sums
- * of all indices come before their places. */
+ * of all indices come before their places, and before their moves, unless these are null. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    add_sums_kernel(rank_place p, uint32_t halo, rank_indices n, unsigned long long *sums) {
+    add_sums_kernel(rank_place p, uint32_t halo, rank_indices n, unsigned long long *sums,
+                    unsigned long long *moves) {
   if (p.phases & RANK_GIVES) tell_ranks(p); /* each block: which comes first is not known */
   if (!(p.phases & RANK_TAKES)) return;
   await_ranks(p);
   for (uint32_t k = thread_index(); k < n.count; k += gridDim.x * blockDim.x) {
-    unsigned long long sum = 0, place = 0;
+    unsigned long long sum = 0, place = 0, move[PBF_DIM] = {0};
     for (uint32_t r = 0; r < p.count; ++r) {
       const unsigned long long *its = rank_sums(p.control->rooms[r], p.count, halo);
       const uint32_t at = index_on(p, halo, n, r, k);
       if (at == n.count) continue;
       sum += __ldcv(its + at);
       place += __ldcv(its + n.count + at);
+      for (uint64_t axis = 0; axis < PBF_DIM && moves; ++axis)
+        move[axis] += __ldcv(its + 2ull * n.count + (uint64_t)PBF_DIM * at + axis);
     }
     sums[k] = sum;
     sums[n.count + k] = place;
+    for (uint64_t axis = 0; axis < PBF_DIM && moves; ++axis)
+      moves[(uint64_t)PBF_DIM * k + axis] = move[axis];
   }
 }
 

@@ -78,17 +78,21 @@ static inline __host__ __device__ unsigned long long *rank_sums(char *room, uint
                                                 2 * rank_mail_bytes(halo));
 }
 
-/* And behind two sums of each index, where the further compartments of each cell begin: what a thin
+/* A sum, a place and the moves along the axes, for each index. */
+enum { RANK_SUMS = 2 + PBF_DIM };
+
+/* And behind them, where the further compartments of each cell begin: what a thin
  * solid divides each device numbers as it comes to it. */
 static inline __host__ __device__ uint32_t *rank_further(char *room, uint32_t ranks, uint32_t halo,
                                                          uint64_t indices) {
-  return reinterpret_cast<uint32_t *>(rank_sums(room, ranks, halo) + 2 * indices);
+  return reinterpret_cast<uint32_t *>(rank_sums(room, ranks, halo) + RANK_SUMS * indices);
 }
 
 /* Behind all of that, numbers that are summed up: `numbers` of each rank, which it writes there. */
 static inline uint64_t rank_numbers_begin(uint32_t ranks, uint32_t halo, uint64_t indices) {
   return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) +
-         indices * 2 * sizeof(unsigned long long) + (indices + indices % 2) * sizeof(uint32_t);
+         indices * RANK_SUMS * sizeof(unsigned long long) +
+         (indices + indices % 2) * sizeof(uint32_t);
 }
 
 /* And a byte for each of its own particles, in which others note something about it. */

@@ -214,6 +214,7 @@ static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   const uint64_t limit = pbf_pressure_grid_max_nodes(s->scene_capacity);
   pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->scene_capacity,
                                                    torn ? (uint32_t)limit : s->pressure_grid.nodes);
+  a.cell_moves = s->cell_moves;
   if (!torn) return a;
   a.topology =
       pbf_pressure_grid_topology_in(s->topology_memory, limit, pbf_pressure_grid_limit(s->planned));

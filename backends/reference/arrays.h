@@ -50,6 +50,10 @@ struct optional_array {
     return pbf_memory_keep(&s->memory, wanted, name, pbf_topology_memory_bytes(s->capacity), 0,
                            &memory->bytes);
   }
+  bool keep(pbf_cell_moves *moves) const {
+    return pbf_memory_keep(&s->memory, wanted, name, pbf_cell_move_words(s->capacity), 0,
+                           &moves->sums);
+  }
   bool keep() const { return true; } /* other backends' */
 };
 

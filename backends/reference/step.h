@@ -130,12 +130,13 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
                           s->schedule.corrects_shear, s->capacity, s->planned, o, s->table.divided);
   s->pressure_grid.carried = s->constants.phases.carried;
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
-    pressure_grid_add(&s->pressure_grid, s->moved[i], target,
+    pressure_grid_add(&s->pressure_grid, s->moved[i], s->v[i], target,
                       inactive(s, i) ? target : density_at(s, o, s->moved, i, NULL),
                       s->overlap ? s->overlap[i] : 0);
   }

@@ -495,14 +495,6 @@ static pbf_solver *breaking_column(const char *backend, int in_a_bottle) {
   return s;
 }
 
-static int has_reference(void) {
-  pbf_desc desc = test_desc(2, PBF_FLOAT64, MOST);
-  pbf_backend_info info = {.struct_size = sizeof info};
-  for (uint32_t i = 0; pbf_get_backend_info(&desc, i, &info) == PBF_OK; ++i)
-    if (strcmp(info.name, "reference") == 0 && info.available) return 1;
-  return 0;
-}
-
 /* As long as rounding has not grown. */
 static void compare_with_reference(int in_a_bottle) {
   pbf_solver *expected = breaking_column("reference", in_a_bottle);
@@ -528,7 +520,7 @@ static void compare_with_reference(int in_a_bottle) {
 static void as_the_reference(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  if (!has_reference()) test_skip("there is no reference to ask");
+  if (!test_has_reference(2, PBF_FLOAT64)) test_skip("there is no reference to ask");
   compare_with_reference(0);
   compare_with_reference(1);
 }

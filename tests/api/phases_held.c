@@ -6,20 +6,12 @@
 
 /* ---- One step -------------------------------------------------------------------------------- */
 
-static int has_reference(uint32_t dimension, uint32_t precision) {
-  const pbf_desc desc = test_desc(dimension, precision, 1);
-  pbf_backend_info info = {.struct_size = sizeof info};
-  for (uint32_t k = 0; pbf_get_backend_info(&desc, k, &info) == PBF_OK; ++k)
-    if (strcmp(info.name, "reference") == 0 && info.available) return 1;
-  return 0;
-}
-
 /* Fluids mixed particle by particle, under a grid: moved as the reference moves them. */
 static void check_step(uint32_t dimension, uint32_t precision) {
   const uint32_t size[3] = {8, 16, dimension == 3 ? 8 : 1};
   const double density[2] = {1, 0.5}, most = precision == PBF_FLOAT64 ? 1e-8 : 1e-4;
   pbf_params params = params_of(size, 1.2);
-  if (!has_reference(dimension, precision)) return;
+  if (!test_has_reference(dimension, precision)) return;
   params.prestabilization = 0;
   params.iterations = 1; /* pairs of later ones are those of the prediction on some backends */
   fluid f = fluid_of(dimension, precision, &params, size, 0.3, density, mixed);

@@ -23,6 +23,7 @@ static uint64_t held_bytes(const pbf_pressure_grid_storage *, extent e) {
   return e.count * sizeof(double);
 }
 static uint64_t held_bytes(const pbf_topology_memory *, extent e) { return e.count; }
+static uint64_t held_bytes(const pbf_cell_moves *, extent e) { return e.count * sizeof(int64_t); }
 static uint64_t held_bytes() { return 0; }
 
 static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf_params &params) {

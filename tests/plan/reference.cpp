@@ -19,6 +19,9 @@ static uint64_t held_bytes(const pbf_pressure_grid_storage *) {
   return pbf_pressure_grid_words(COUNT) * sizeof(double);
 }
 static uint64_t held_bytes(const pbf_topology_memory *) { return pbf_topology_memory_bytes(COUNT); }
+static uint64_t held_bytes(const pbf_cell_moves *) {
+  return pbf_cell_move_words(COUNT) * sizeof(int64_t);
+}
 static uint64_t held_bytes() { return 0; }
 
 static uint64_t wanted_bytes(const solver *s, const pbf_schedule &has, const pbf_params &params) {

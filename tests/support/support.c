@@ -97,6 +97,14 @@ void test_skip(const char *why) {
   skip();
 }
 
+int test_has_reference(uint32_t dimension, uint32_t precision) {
+  const pbf_desc desc = test_desc(dimension, precision, 1);
+  pbf_backend_info info = {.struct_size = sizeof info};
+  for (uint32_t i = 0; pbf_get_backend_info(&desc, i, &info) == PBF_OK; ++i)
+    if (strcmp(info.name, "reference") == 0 && info.available) return 1;
+  return 0;
+}
+
 void test_skip_if_watched(void) {
   if (TEST_INSTRUMENTED && !test_is_long()) test_skip("it follows a fluid for long");
 }

@@ -56,6 +56,9 @@ pbf_params test_params(void);
 pbf_solver *test_create(const pbf_desc *desc, const pbf_params *params);
 pbf_solver *test_solver(uint32_t dimension, uint32_t precision, uint32_t capacity);
 
+/* Whether there is the backend `reference`, built with it. */
+int test_has_reference(uint32_t dimension, uint32_t precision);
+
 /* Whether the backend under test was built with it. */
 int test_has_kind(uint32_t dimension, uint32_t precision);
 

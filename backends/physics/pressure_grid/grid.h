@@ -19,6 +19,9 @@
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
  *
+ * Drag is a force, too, which goes by the fluid's velocity: what it has added to a cell's is part
+ * of w_e there (cell_drag.h).
+ *
  * A thin solid divides cells into compartments (compartments.h), and what is said here of cells is
  * then true of each of these, and of each copy of a node (topology.h).
  *
@@ -53,6 +56,9 @@ typedef struct pbf_pressure_grid {
   double spacing;               /* of particles */
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
+  double move;                  /* at a velocity of 1 */
+  double drag_move[PBF_DIM];    /* at the velocity that drag pulls to */
+  double drag;                  /* what drag has added, of the difference to it that it leaves */
   double error;                 /* pbf_depth_error of a head of 1 */
   double max_left;              /* to the iterations, of an error, … */
   double left_cells;            /* … or else the weight of so many cells' heights */
@@ -71,6 +77,14 @@ static inline uint64_t pbf_pressure_grid_limit(uint32_t count) {
 
 static inline uint64_t pbf_pressure_grid_max_nodes(uint32_t capacity) {
   return pbf_pressure_grid_limit(pbf_max_planned(capacity));
+}
+
+/* A step that leaves a part of the difference to the velocity that is dragged to has changed it by
+ * 1 - 1 / part of what it leaves. Drag that leaves less than a half of it in a step is for the
+ * iterations: rounding is most of what is left then. */
+static inline double pbf_pressure_grid_drag(const pbf_params *params) {
+  if (!(params->drag > 0)) return 0;
+  return fmax(1 - 1 / fmax(pbf_exp(-params->drag * params->time_step), 0.5), -1);
 }
 
 static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, double width) {
@@ -106,6 +120,8 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * c.spacing;
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pbf_pow(pbf_derive_spacing(params), PBF_DIM);
+  c.move = params->time_step / width;
+  c.drag = pbf_pressure_grid_drag(params);
   c.nodes = 1;
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
@@ -120,6 +136,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
                 (params->gravity[k] -
                  params->attraction * (c.lower[k] - 0.5 * width - params->attraction_center[k]));
     c.pull[k] = -dt2 * params->attraction;
+    c.drag_move[k] = c.move * params->drag_velocity[k];
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;
     c.size[k] = (uint32_t)c.n[k] + 2;
