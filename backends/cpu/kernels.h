@@ -99,6 +99,7 @@ typedef struct pair_pass {
   const pbf_real *vectors;           /* and of what else a pass looks up */
   const pbf_obstacles *contributing; /* density; null: none do */
   const pbf_real *residual_density;  /* null: none */
+  pbf_real *overlap;                 /* null: none; lambda bounds it */
   int64_t *error_units;              /* lambda adds the density error to it; null: none is wanted */
   const pbf_real *activity;          /* null: nothing sleeps */
   const pbf_real *mobility;          /* null: phases do not differ; lambda alone asks for it, … */

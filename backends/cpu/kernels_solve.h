@@ -9,6 +9,7 @@
 #include "physics/passes/lambda.h"
 #include "physics/passes/mobility.h"
 #include "physics/passes/move.h"
+#include "physics/passes/overlap.h"
 #include "physics/passes/smooth_pressure.h"
 
 /* What the loops are built for; a build that is without a feature has no loop for it. */
@@ -31,6 +32,16 @@ static __attribute__((noinline)) void smooth_group(const pair_pass *p, pbf_real 
 
 PBF_FN bool smooths(const pair_pass *p) {
   return (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && p->last_pressure;
+}
+
+/* What is allowed for of a group's overlap from its next iteration on. */
+PBF_FN void bound_overlap(const pair_pass *p, const lane *density, uint32_t g) {
+  if (!p->overlap) return;
+  alignas(64) pbf_real densities[WIDTH];
+  lane_store(densities, *density);
+  pbf_real *overlap = p->overlap + g * WIDTH;
+  for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
+    overlap[l] = pbf_overlap_of_error(overlap[l], densities[l] - p->constants->target);
 }
 
 /* Lambda of one group from its sums. */
@@ -133,6 +144,7 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
     lambda_group(pass, &sums.density, lane_sums<pass_type::template sums>(sums),
                  p->residual_density ? p->residual_density + g * WIDTH : NULL, lambda + g * WIDTH,
                  added + g * WIDTH);
+    bound_overlap(p, &sums.density, g);
     if (smooths(p)) smooth_group(p, lambda, added, g);
   }
 }
@@ -177,6 +189,7 @@ static __attribute__((noinline)) void lambda_of_phases(const pair_pass *p, pbf_r
     add_boundary_to(p, g, &sums.lambda);
     if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.lambda.density, g);
     mobile_lambda_group(pass, p, sums, lambda + g * WIDTH, added + g * WIDTH, g);
+    bound_overlap(p, &sums.lambda.density, g);
     if (smooths(p)) smooth_group(p, lambda, added, g);
   }
 }

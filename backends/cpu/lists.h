@@ -78,6 +78,7 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
       .vectors = packed_vectors(s),
       .contributing = s->schedule.wall_density ? &w->obstacles : NULL,
       .residual_density = s->residual_density ? s->residual_density : w->b.sorted_overlap,
+      .overlap = w->b.sorted_overlap,
       .activity = sleep_is_on(w) ? w->activity : NULL};
 }
 

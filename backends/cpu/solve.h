@@ -108,10 +108,24 @@ static void overlap_task(void *context, uint32_t task) {
   }
 }
 
+/* Of what is still inside a solid. */
+static void overlap_in_solids_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const range r = task_sorted(w, task);
+  for (uint32_t i = r.first; i < r.last; ++i) {
+    const pbf_vec x = field_at(&w->b.sorted_predicted, i);
+    w->b.sorted_overlap[i] =
+        pbf_overlap_at(pbf_obstacles_near(w->obstacles, x, 0), x, w->b.sorted_overlap[i]);
+  }
+}
+
 static void find_overlap(worker *w) {
-  if (!finds_overlap(w)) return;
-  parallel_for(w->self, pair_task_count(w), placed_task, NULL, w);
-  parallel_for(w->self, pair_task_count(w), overlap_task, NULL, w);
+  if (finds_overlap(w)) {
+    parallel_for(w->self, pair_task_count(w), placed_task, NULL, w);
+    parallel_for(w->self, pair_task_count(w), overlap_task, NULL, w);
+  }
+  if (w->s->schedule.collide_after_prediction && pbf_surface_count(w->obstacles))
+    parallel_for(w->self, pair_task_count(w), overlap_in_solids_task, NULL, w);
   stage_end(w, PBF_STAGE_OVERLAP);
 }
 

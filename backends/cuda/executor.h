@@ -161,9 +161,18 @@ struct executor : launcher {
     }
   }
 
-  /* Its ghosts' sums lie in the overlap's array as it was before the sort. */
   void overlap() {
-    if (!s->found.struct_size) return;
+    if (s->found.struct_size) add_found_overlap();
+    if (n.particles.overlap && surfaces_of(s) != NO_SURFACES)
+      run(PBF_STAGE_OVERLAP, [&] {
+        with_lists(s, [&](auto listed) {
+          launch(overlap_in_solids_kernel<decltype(listed)::value>, n, extras.obstacles);
+        });
+      });
+  }
+
+  /* Its ghosts' sums lie in the overlap's array as it was before the sort. */
+  void add_found_overlap() {
     const pbf_domain before =
         pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.close_phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;

@@ -88,6 +88,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK, PBF_BLOCKS_AT_ONCE)
         extras.watch, min(32u, n.particles.count - i / 32 * 32),
         inactive ? extras.watch.inactive : pbf_error_units(c, residual_density, sums.density));
   if (inactive) return;
+  if (EXTRAS && PBF_CHEBYSHEV && n.particles.overlap)
+    n.particles.overlap[i] = pbf_overlap_of_error(n.particles.overlap[i], sums.density - c->target);
   if (SLEEP && parts.first && pbf_is_asleep(activity)) {
     extras.rest.kept[i].c[0] = points[i].lambda;
     points[i].lambda = 0;
@@ -385,6 +387,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
   pbf_real *overlap = n.particles.overlap + i;
   *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
+}
+
+/* Of what is still inside a solid. */
+template <bool LISTED>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    overlap_in_solids_kernel(const __grid_constant__ neighborhood n,
+                             const __grid_constant__ step_obstacles obstacles) {
+  const uint32_t i = own_index(n.particles);
+  if (i >= n.particles.count) return;
+  const pbf_vec x = position_of(load(n.particles.points, i));
+  n.particles.overlap[i] =
+      pbf_overlap_at(asked_near<LISTED>(obstacles, x, 0.0), x, n.particles.overlap[i]);
 }
 
 template <int FEATURES>

@@ -213,15 +213,16 @@ struct collision {
   }
 
   /* Calls visit(contact, rounding, way) for those that x has with surfaces and walls; these push a
-   * particle that they find inside, or else only keep it from getting deeper: by that way. */
+   * particle that they find inside by that `part` of what they may, or with 0 only keep it from
+   * getting deeper. `way`: how far they may take it. */
   template <class Visit>
-  PBF_IN void each_contact(const pbf_vec &x, bool push, Visit visit) const {
+  PBF_IN void each_contact(const pbf_vec &x, pbf_real part, Visit visit) const {
     surfaces->each([&](const auto &s) {
       pbf_contact contact;
-      const pbf_real out = push ? pbf_push_of(&s, with_obstacle_motion) : 0;
+      const pbf_real out = part > 0 ? part * pbf_push_of(&s, with_obstacle_motion) : 0;
       if (pbf_find_contact_seldom(&s, out, with_obstacle_motion, from, x, &contact) &
           PBF_IN_THE_WAY)
-        visit(contact, s.rounding, push ? way_by(s) : 0);
+        visit(contact, s.rounding, part > 0 ? way_by(s) : 0);
     });
     for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
       pbf_contact contact;
@@ -233,7 +234,7 @@ struct collision {
 
   PBF_IN bool is_free(const pbf_vec &x) const {
     bool free = true;
-    each_contact(x, false, [&](const pbf_contact &, pbf_real, pbf_real) { free = false; });
+    each_contact(x, 0, [&](const pbf_contact &, pbf_real, pbf_real) { free = false; });
     return free;
   }
 
@@ -247,7 +248,7 @@ struct collision {
   PBF_IN pbf_vec between(pbf_vec x) const {
     for (int pass = 0; pass < 4; ++pass) {
       pbf_vec sum = x;
-      each_contact(x, false, [&](const pbf_contact &contact, pbf_real, pbf_real) {
+      each_contact(x, 0, [&](const pbf_contact &contact, pbf_real, pbf_real) {
         sum = pbf_add_scaled(sum, (pbf_real)-0.5 * pbf_contact_gap(&contact, x), contact.normal);
       });
       x = sum;
@@ -300,34 +301,48 @@ PBF_FN bool pbf_is_squeezed_by(const Obstacles &o, const pbf_vec &x) {
          pbf_is_between(&o.domain, surfaces, x, [](const auto &) { return true; });
 }
 
-/* Obstacle after obstacle pushes x off, until none has anything to do: one may push a particle into
- * another. Two that close on it at an acute angle meet far away: none of that is a way that they
- * push it, and it stays between them. */
+/* Obstacle after obstacle pushes *x off, until none has anything to do: one may push a particle
+ * into another. Those that it starts in take it out by that `part` of their push. Returns whether
+ * there is such a place, no farther away than `way` and twice what one of them alone may push it
+ * by. */
+template <class Surfaces>
+PBF_FN bool pbf_push_off(const collision<Surfaces> &of, pbf_real part, pbf_real way, pbf_vec *x) {
+  enum { PASSES = 8 };
+  pbf_contacts held = {0, {{{{0}}, 0}}};
+  pbf_real longest = 0; /* of the ways by which one of them has pushed it */
+  bool pushed = true, near = true;
+  for (int pass = 0; pass < PASSES && pushed && near; ++pass) {
+    pushed = false;
+    of.each_contact(*x, part, [&](const pbf_contact &contact, pbf_real rounding, pbf_real push) {
+      if (!near) return;
+      pbf_hold_by_contact(&held, &contact, rounding, x);
+      longest = pbf_real_max(longest, push);
+      pushed = true;
+      near = !(of.distance_from_start(*x) > way + 2 * (longest + rounding));
+    });
+  }
+  return !pushed;
+}
+
+/* Two that close on a particle at an acute angle meet far away: none of that is a way that they
+ * push it. What starts inside one of them is out of it the later, then, the more acute the angle:
+ * by a part of the push that takes it no farther along the other one than elsewhere. Where that
+ * does not help it stays between them. */
 template <class Surfaces>
 PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
-  enum { PASSES = 8 };
   /* The nearest face says nothing of how it has come in: it would slip through what closes on it,
    * unless that has no other side. */
   const auto has_faces = [](const auto &s) { return !pbf_surface_is_unbounded(&s); };
   if (!of.with_obstacle_motion && pbf_is_between(of.domain, *of.surfaces, of.from, has_faces))
     return of.from;
-  pbf_contacts held = {0, {{{{0}}, 0}}};
-  const pbf_vec to = x;
-  const pbf_real way = of.distance_from_start(to);
-  pbf_real longest = 0; /* of the ways by which one of them has pushed it */
-  bool pushed = true, near = true;
-  for (int pass = 0; pass < PASSES && pushed && near; ++pass) {
-    pushed = false;
-    of.each_contact(x, true, [&](const pbf_contact &contact, pbf_real rounding, pbf_real push) {
-      if (!near) return;
-      pbf_hold_by_contact(&held, &contact, rounding, &x);
-      longest = pbf_real_max(longest, push);
-      pushed = true;
-      near = !(of.distance_from_start(x) > way + 2 * (longest + rounding));
-    });
+  const pbf_real way = of.distance_from_start(x);
+  const pbf_real least =
+      of.with_obstacle_motion ? (pbf_real)0.01 : 1; /* else nothing is pushed out */
+  for (pbf_real part = 1; !(part < least); part /= 4) {
+    pbf_vec place = x;
+    if (pbf_push_off(of, part, way, &place)) return place;
   }
-  if (!pushed) return x;
-  return of.stay(to);
+  return of.stay(x);
 }
 
 /* Where what has no other side, and then the domain, keep a particle that is on its way from `from`

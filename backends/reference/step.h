@@ -110,13 +110,10 @@ static inline void compute_residual_density(solver *s, const pbf_obstacles *o) {
     s->residual_density[i] = pbf_residual_density(&s->constants, density_at(s, o, s->x, i, NULL));
 }
 
-/* From the positions at the start of the step. Begins with what is left of the overlap so far. */
-static inline void find_overlap(solver *s, const pbf_obstacles *o) {
+/* From the positions at the start of the step, between the obstacles of that time. */
+static inline void add_found_overlap(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const placed_density_pass<int> pass = {c, s->schedule.features};
-  for (uint32_t i = 0; i < s->count; ++i)
-    s->overlap[i] = pbf_overlap_left(c->overlap_decay, s->overlap[i]);
-  if (!s->found.struct_size) return;
   for (uint32_t i = 0; i < s->count; ++i) s->lambda[i] = pbf_is_placed(s->found, s->ids[i]);
   for (uint32_t i = 0; i < s->count; ++i) {
     pbf_real placed = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i).density;
@@ -125,6 +122,15 @@ static inline void find_overlap(solver *s, const pbf_obstacles *o) {
     s->overlap[i] = pbf_overlap_found(c, s->found, s->ids[i], density_at(s, o, s->x, i, NULL),
                                       placed, s->overlap[i]);
   }
+}
+
+/* Begins with what is left of the overlap so far. `before`: the obstacles at the step's start. */
+static inline void find_overlap(solver *s, const pbf_obstacles *before, const pbf_obstacles *o) {
+  for (uint32_t i = 0; i < s->count; ++i)
+    s->overlap[i] = pbf_overlap_left(s->constants.overlap_decay, s->overlap[i]);
+  if (s->found.struct_size) add_found_overlap(s, before);
+  for (uint32_t i = 0; i < s->count && s->schedule.collide_after_prediction; ++i)
+    s->overlap[i] = pbf_overlap_at(*o, s->moved[i], s->overlap[i]);
 }
 
 /* Deep water: what its weight presses together is undone before the iterations. */
@@ -192,6 +198,7 @@ static inline int64_t compute_lambda(solver *s, const pbf_obstacles *o,
     const pbf_real lambda = pass.finish(sums, residual_density);
     if ((PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence)
       error_units += pbf_error_units(c, residual_density, sums.density);
+    if (s->overlap) s->overlap[i] = pbf_overlap_of_error(s->overlap[i], sums.density - c->target);
     const pbf_real mobility = s->phase ? mobility_around(s, i) : 1;
     if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated)
       pbf_accelerate_for(c, mobility, sums.density, lambda, &s->lambda[i], &s->added[i]);
@@ -520,7 +527,7 @@ struct executor {
     return true;
   }
   void residual_density() { compute_residual_density(s, &before); }
-  void overlap() { find_overlap(s, &before); }
+  void overlap() { find_overlap(s, &before, &obstacles); }
   void crowding() { find_crowding(s); }
   void viscosity(uint32_t k) { apply_viscosity(s, &obstacles, k); }
   void move_by_viscosity() {

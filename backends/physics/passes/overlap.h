@@ -92,12 +92,42 @@ PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &fou
   return pbf_real_max(shifted, pbf_real_min(error, before + placed_density));
 }
 
-/* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay: what
- * exceeds 1 falls exponentially, from there to a fifth evenly, and the rest exponentially again.
- * For what is small is small over all of a tank's height, as after a change of the step, and there
- * the ways of all layers add up to the surface's. */
+/* What is allowed for of a particle that is still inside a solid, and has an overlap: whatever its
+ * density comes to be, for it is the solid's push that takes it out, at a speed of its own. Where a
+ * wall stands in the way of that push, pressure would find another, and drive what gathers between
+ * the two out at many times that speed. */
+constexpr pbf_real PBF_OVERLAP_IN_SOLID = 64;
+
+template <class Obstacles>
+PBF_FN bool pbf_is_in_solid(const Obstacles &o, pbf_vec x) {
+  for (int k = 0; k < pbf_surface_count(o); ++k) {
+    pbf_vec normal;
+    if (!pbf_surface_is_beyond(&o.surfaces[k], x, 0) &&
+        pbf_surface_distance(&o.surfaces[k], x, &normal) < -4 * o.surfaces[k].rounding)
+      return true;
+  }
+  return false;
+}
+
+template <class Obstacles>
+PBF_FN pbf_real pbf_overlap_at(const Obstacles &o, pbf_vec x, pbf_real overlap) {
+  return overlap > 0 && pbf_is_in_solid(o, x) ? PBF_OVERLAP_IN_SOLID : overlap;
+}
+
+/* An allowance is for an error that there is: at most twice it, so that what has parted faster than
+ * its allowance falls does not come together again without pressure, nor what has left a solid. The
+ * last fifth is left alone, which is as small as errors of waves are. */
+PBF_FN pbf_real pbf_overlap_of_error(pbf_real overlap, pbf_real error) {
+  return pbf_real_min(overlap, pbf_real_max(2 * error, (pbf_real)0.2));
+}
+
+/* What is left of an allowance a step later, `decay` being pbf_constants.overlap_decay: from 1 to a
+ * fifth it falls evenly, and what exceeds 1, or is less, exponentially. What exceeds 1 is gathered
+ * in few places, as where a solid has closed upon fluid: it may part ten times as fast and be slow.
+ * What is small is small over all of a tank's height, as after a change of the step, and there the
+ * ways of all layers add up to the surface's. */
 PBF_FN pbf_real pbf_overlap_left(pbf_real decay, pbf_real overlap) {
-  const pbf_real goes = pbf_real_min(pbf_real_max(overlap, 1), 5 * overlap);
+  const pbf_real goes = pbf_real_min(1, 5 * overlap) + 10 * pbf_real_max(overlap - 1, 0);
   const pbf_real left = overlap - decay * goes;
   return overlap > 0 ? pbf_real_max(left, 0) : pbf_real_min(left, 0);
 }
