@@ -9,15 +9,17 @@
 #include "compiler.h"
 #include "common/number.h"
 
-/* Appends as much of `addition` as fits. */
-static inline void pbf_text_append(char *text, size_t size, const char *addition) {
-  size_t used = strlen(text), available = size - used - 1, length = strlen(addition);
-  if (length > available) length = available;
-  memcpy(text + used, addition, length);
-  text[used + length] = 0;
-}
+/* Appends as many whole characters of `addition` as fit. */
+void pbf_text_append(char *text, size_t size, const char *addition);
 
-/* snprintf, with a point in numbers whatever the program's locale writes. */
+/* Has a text end with a whole character, in UTF-8, where there was no room for its rest. */
+void pbf_text_end_whole(char *text);
+
+/* One line of UTF-8, whatever is quoted in it: control characters, and bytes that are none of a
+ * character, become question marks. */
+void pbf_text_make_line(char *text);
+
+/* snprintf of one line, with a point in numbers whatever the program's locale writes. */
 PBF_PRINTF(3, 4) void pbf_text_write(char *text, size_t size, const char *format, ...);
 void pbf_text_write_list(char *text, size_t size, const char *format, va_list arguments);
 

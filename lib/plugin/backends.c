@@ -7,6 +7,7 @@
 #include "probe.h"
 #include "registry.h"
 #include "structs.h"
+#include "text.h"
 
 pbf_status pbf_get_backend_count(uint32_t *count) {
   if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
@@ -36,7 +37,9 @@ pbf_status pbf_get_backend_info(const pbf_desc *desc, uint32_t index, pbf_backen
   memcpy(ours.device_name, probe.device_name, sizeof ours.device_name);
   memcpy(ours.build_id, plugin->build_id, sizeof ours.build_id);
   memcpy(ours.path, plugin->path, sizeof ours.path);
+  pbf_text_end_whole(ours.path);
   memcpy(ours.reason, probe.reason, sizeof ours.reason);
+  pbf_text_make_line(ours.reason);
   pbf_struct_out(&pbf_kind_backend_info, &ours, info, info->struct_size);
   return PBF_OK;
 }

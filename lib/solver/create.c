@@ -99,8 +99,8 @@ static void note_fallback(pbf_solver *solver, const pbf_candidates *candidates, 
 static void warn_of_fallback(pbf_solver *solver) {
   char message[PBF_MESSAGE_SIZE];
   if (!solver->fallback_reason[0] || pbf_enter(solver) != PBF_OK) return;
-  snprintf(message, sizeof message, "the backend \"%s\" serves instead of another: %s",
-           solver->plugin->name, solver->fallback_reason);
+  pbf_text_write(message, sizeof message, "the backend \"%s\" serves instead of another: %s",
+                 solver->plugin->name, solver->fallback_reason);
   solver->log(solver->log_user, PBF_LOG_WARNING, message);
   pbf_leave(solver, PBF_OK);
 }

@@ -17,6 +17,7 @@
 #include "solver_time.h"
 #include "step_limit.h"
 #include "structs.h"
+#include "text.h"
 
 static void end_text(char *text, size_t size) { text[size - 1] = 0; }
 
@@ -175,7 +176,9 @@ static void fill_info(const pbf_solver *solver, const pbf_backend_state *state, 
   memcpy(info->device_name, state->device_name, sizeof info->device_name);
   memcpy(info->build_id, solver->plugin->build_id, sizeof info->build_id);
   memcpy(info->path, solver->plugin->path, sizeof info->path);
+  pbf_text_end_whole(info->path);
   memcpy(info->fallback_reason, solver->fallback_reason, sizeof info->fallback_reason);
+  pbf_text_make_line(info->fallback_reason);
 }
 
 static pbf_status get_info(pbf_solver *solver, pbf_info *theirs) {
