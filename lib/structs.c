@@ -97,6 +97,15 @@ pbf_status pbf_struct_in(const pbf_struct_kind *kind, const void *theirs, void *
   return pbf_struct_in_sized(kind, theirs, pbf_struct_size(theirs), ours);
 }
 
+pbf_status pbf_struct_in_array(const pbf_struct_kind *kind, const char *name, const void *theirs,
+                               uint32_t first, uint32_t index, void *ours) {
+  const unsigned char *one = (const unsigned char *)theirs + (uint64_t)index * first;
+  const uint32_t size = pbf_struct_size(one);
+  if (size == first) return pbf_struct_in_sized(kind, one, size, ours);
+  return pbf_fail(PBF_ERROR_STRUCT_SIZE, "%s[%u].struct_size is %u; it must be that of %s[0], %u",
+                  name, index, size, name, first);
+}
+
 pbf_status pbf_struct_in_stored(const pbf_struct_kind *kind, const void *stored, uint32_t size,
                                 void *ours) {
   if (size < sizeof(uint32_t) || pbf_struct_size(stored) != size)

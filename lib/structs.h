@@ -65,6 +65,11 @@ pbf_status pbf_struct_in_sized(const pbf_struct_kind *kind, const void *theirs, 
 pbf_status pbf_struct_in_stored(const pbf_struct_kind *kind, const void *stored, uint32_t size,
                                 void *ours);
 
+/* Struct `index` of a caller's array, which messages call `name`: all have the size of the first,
+ * `first`, which the caller of this has read once, since another thread may write there. */
+pbf_status pbf_struct_in_array(const pbf_struct_kind *kind, const char *name, const void *theirs,
+                               uint32_t first, uint32_t index, void *ours);
+
 /* Gives a caller a number; fails where `count` is null. */
 pbf_status pbf_count_out(uint32_t number, uint32_t *count);
 

@@ -38,9 +38,9 @@ typedef struct pbf_emitter {
   uint32_t seed;      /* of the jitter */
   double position[3]; /* the middle of the opening, in the domain with all of its columns */
   double velocity[3]; /* of the stream, not 0; the opening is across it */
-  double across[3];   /* rectangle in 3D: where its first side points, less what of it goes along
-                         the stream */
-  double half_width;  /* rectangle: half of its first side, > 0; in 2D the only one */
+  double across[3];  /* in 3D: where the first side of a rectangle, or the rows of a disc's columns,
+                        points, less what of it goes along the stream */
+  double half_width; /* rectangle: half of its first side, > 0; in 2D the only one */
   double half_height; /* half of the other, > 0 */
   double radius;      /* disc, > 0 */
   double rate;        /* volume a time unit, >= 0; 0: as much as columns of particles a spacing

@@ -30,24 +30,16 @@ pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission) {
 
 /* ---- Emitters -------------------------------------------------------------------------------- */
 
-static const void *emitter_at(const pbf_emitter *theirs, uint32_t index) {
-  return (const unsigned char *)theirs + (uint64_t)index * pbf_struct_size(theirs);
-}
-
 static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_emitter *theirs,
                           pbf_emitter *ours) {
   if (count > PBF_MAX_EMITTERS)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
                     PBF_MAX_EMITTERS);
   if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "emitters is null");
+  const uint32_t first = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t size = pbf_struct_size(emitter_at(theirs, i)), first = pbf_struct_size(theirs);
-    if (size != first)
-      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "emitters[%u].struct_size is %u; it must be that of emitters[0], %u", i, size,
-                      first);
     pbf_status status =
-        pbf_struct_in_sized(&pbf_kind_emitter, emitter_at(theirs, i), size, &ours[i]);
+        pbf_struct_in_array(&pbf_kind_emitter, "emitters", theirs, first, i, &ours[i]);
     if (status == PBF_OK) status = pbf_emitter_check(&ours[i], i, solver->kind);
     if (status == PBF_OK) status = pbf_emitter_check_place(&ours[i], i, solver);
     if (status == PBF_OK && ours[i].phase >= pbf_phases_count(solver->phases))
@@ -67,10 +59,13 @@ static void let_go(pbf_emission *e, uint32_t source) {
   e->head.guided_count = kept;
 }
 
-static int same_opening(const pbf_emitter *a, const pbf_emitter *b) {
+static int same_opening(const pbf_emitter *before, const pbf_emitter *next, uint32_t dimension) {
   const size_t from = offsetof(pbf_emitter, position), to = offsetof(pbf_emitter, rate);
-  return a->shape == b->shape && a->seed == b->seed && a->jitter == b->jitter &&
-         memcmp((const char *)a + from, (const char *)b + from, to - from) == 0;
+  pbf_emitter a = *before, b = *next;
+  pbf_emitter_clean(&a, dimension);
+  pbf_emitter_clean(&b, dimension);
+  return a.shape == b.shape && a.seed == b.seed && a.jitter == b.jitter &&
+         memcmp((const char *)&a + from, (const char *)&b + from, to - from) == 0;
 }
 
 static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *theirs) {
@@ -81,7 +76,8 @@ static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emi
   status = pbf_emission_need(solver, &e);
   if (status != PBF_OK) return status;
   for (uint32_t i = 0; i < PBF_MAX_EMITTERS; ++i) {
-    if (i >= count || !same_opening(&e->sources[i].emitter, &ours[i])) let_go(e, i);
+    if (i >= count || !same_opening(&e->sources[i].emitter, &ours[i], solver->kind.dimension))
+      let_go(e, i);
     if (i >= count || i >= e->head.source_count) e->sources[i] = (pbf_source){0};
     if (i < count) e->sources[i].emitter = ours[i];
   }
@@ -119,16 +115,17 @@ pbf_status pbf_get_emitter(pbf_solver *solver, uint32_t index, pbf_emitter *emit
 /* ---- Drains ---------------------------------------------------------------------------------- */
 
 static pbf_status set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *theirs) {
+  pbf_volume ours[PBF_MAX_DRAINS];
   pbf_emission *e;
   if (count > PBF_MAX_DRAINS)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
                     PBF_MAX_DRAINS);
-  pbf_status status = pbf_volumes_check(solver->kind, "drains", count, theirs);
+  pbf_status status = pbf_volumes_in(solver->kind, "drains", count, theirs, ours);
   if (status != PBF_OK || (count == 0 && !solver->emission)) return status;
   status = pbf_emission_need(solver, &e);
   if (status != PBF_OK) return status;
   memset(e->drains, 0, sizeof e->drains);
-  for (uint32_t i = 0; i < count; ++i) e->drains[i] = pbf_volumes_get(theirs, i);
+  if (count > 0) memcpy(e->drains, ours, count * sizeof *ours);
   e->head.drain_count = count;
   return PBF_OK;
 }

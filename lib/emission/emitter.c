@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "error.h"
 #include "opening.h"
@@ -38,9 +39,11 @@ static const pbf_real_rule side_rules[] = {
 
 static pbf_status check_sizes(const pbf_emitter *emitter, const char *label, pbf_check_kind kind) {
   const size_t sides = kind.dimension == 3 ? 2 : 1;
-  if (emitter->shape == PBF_EMITTER_DISC) return pbf_check_real(&radius_rule, label, emitter, kind);
-  pbf_status status = pbf_check_reals(side_rules, sides, label, emitter, kind);
-  if (status == PBF_OK) status = pbf_check_real(&across_rule, label, emitter, kind);
+  pbf_status status = emitter->shape == PBF_EMITTER_DISC
+                          ? pbf_check_real(&radius_rule, label, emitter, kind)
+                          : pbf_check_reals(side_rules, sides, label, emitter, kind);
+  if (status == PBF_OK && kind.dimension == 3)
+    status = pbf_check_real(&across_rule, label, emitter, kind);
   return status;
 }
 
@@ -122,14 +125,30 @@ pbf_status pbf_emitter_check_place(const pbf_emitter *emitter, uint32_t index,
   return PBF_OK;
 }
 
+static pbf_emitter initial_of(uint32_t shape) {
+  return (pbf_emitter){.struct_size = sizeof(pbf_emitter),
+                       .shape = shape,
+                       .velocity = {0, -1, 0},
+                       .across = {1, 0, 0},
+                       .half_width = 1,
+                       .half_height = 1,
+                       .radius = 1};
+}
+
+void pbf_emitter_clean(pbf_emitter *emitter, uint32_t dimension) {
+  const pbf_emitter initial = initial_of(emitter->shape);
+  const int is_disc = emitter->shape == PBF_EMITTER_DISC;
+  if (dimension == 2) {
+    emitter->position[2] = emitter->velocity[2] = 0;
+    memcpy(emitter->across, initial.across, sizeof initial.across);
+  }
+  if (is_disc) emitter->half_width = initial.half_width;
+  if (is_disc || dimension == 2) emitter->half_height = initial.half_height;
+  if (!is_disc) emitter->radius = initial.radius;
+}
+
 pbf_status pbf_emitter_init(pbf_emitter *emitter, uint32_t struct_size, uint32_t shape) {
-  const pbf_emitter initial = {.struct_size = struct_size,
-                               .shape = shape,
-                               .velocity = {0, -1, 0},
-                               .across = {1, 0, 0},
-                               .half_width = 1,
-                               .half_height = 1,
-                               .radius = 1};
+  const pbf_emitter initial = initial_of(shape);
   if (!emitter) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "emitter is null");
   pbf_status status = pbf_struct_check_size(&pbf_kind_emitter, struct_size);
   if (status == PBF_OK) status = pbf_check_count(&counts[0], "emitter", &initial);

@@ -14,4 +14,7 @@ pbf_status pbf_emitter_check(const pbf_emitter *emitter, uint32_t index, pbf_che
 pbf_status pbf_emitter_check_place(const pbf_emitter *emitter, uint32_t index,
                                    const pbf_solver *solver);
 
+/* What its shape and the dimension ignore becomes as pbf_emitter_init gives it. */
+void pbf_emitter_clean(pbf_emitter *emitter, uint32_t dimension);
+
 #endif

@@ -114,14 +114,10 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_re
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
                     PBF_MAX_RESERVOIRS);
   if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "reservoirs is null");
+  const uint32_t first = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t first = pbf_struct_size(theirs);
-    const unsigned char *at = (const unsigned char *)theirs + (uint64_t)i * first;
-    if (pbf_struct_size(at) != first)
-      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "reservoirs[%u].struct_size is %u; it must be that of reservoirs[0], %u", i,
-                      pbf_struct_size(at), first);
-    pbf_status status = pbf_struct_in_sized(&pbf_kind_reservoir, at, first, &ours[i]);
+    pbf_status status =
+        pbf_struct_in_array(&pbf_kind_reservoir, "reservoirs", theirs, first, i, &ours[i]);
     if (status == PBF_OK) status = pbf_reservoir_check(&ours[i], i, solver->kind);
     if (status == PBF_OK) status = check_place(&ours[i], i, solver);
     if (status != PBF_OK) return status;
@@ -182,13 +178,25 @@ pbf_status pbf_get_reservoir(pbf_solver *solver, uint32_t index, pbf_reservoir *
   return pbf_leave(solver, get_reservoir(solver, index, reservoir));
 }
 
+static pbf_reservoir initial(void) {
+  return (pbf_reservoir){.struct_size = sizeof(pbf_reservoir),
+                         .orientation = {0, 0, 0, 1},
+                         .half_extents = {1, 1, 1},
+                         .depth = 1};
+}
+
+void pbf_reservoir_clean(pbf_reservoir *reservoir, uint32_t dimension) {
+  const pbf_reservoir clean = initial();
+  for (uint32_t k = dimension; k < 3; ++k) {
+    reservoir->position[k] = clean.position[k];
+    reservoir->half_extents[k] = clean.half_extents[k];
+  }
+}
+
 pbf_status pbf_reservoir_init(pbf_reservoir *reservoir, uint32_t struct_size) {
-  const pbf_reservoir initial = {.struct_size = struct_size,
-                                 .orientation = {0, 0, 0, 1},
-                                 .half_extents = {1, 1, 1},
-                                 .depth = 1};
+  const pbf_reservoir ours = initial();
   if (!reservoir) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "reservoir is null");
   pbf_status status = pbf_struct_check_size(&pbf_kind_reservoir, struct_size);
-  if (status == PBF_OK) pbf_struct_out(&pbf_kind_reservoir, &initial, reservoir, struct_size);
+  if (status == PBF_OK) pbf_struct_out(&pbf_kind_reservoir, &ours, reservoir, struct_size);
   return status;
 }

@@ -23,6 +23,9 @@ pbf_reservoir_frame pbf_reservoir_frame_of(const pbf_reservoir *reservoir, uint3
 /* Its numbers by themselves; messages call it reservoirs[index]. */
 pbf_status pbf_reservoir_check(const pbf_reservoir *reservoir, uint32_t index, pbf_check_kind kind);
 
+/* What 2D ignores becomes as pbf_reservoir_init gives it. */
+void pbf_reservoir_clean(pbf_reservoir *reservoir, uint32_t dimension);
+
 /* Adds the highest particles to `out` that are too many in it, of those that are not there yet.
  * `x` are positions of all. */
 pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir,

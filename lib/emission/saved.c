@@ -55,19 +55,37 @@ static unsigned char *put(unsigned char *at, const void *data, uint64_t size) {
   return at + size;
 }
 
-void pbf_emission_save(const pbf_solver *solver, void *buffer) {
-  const pbf_emission *e = solver->emission;
+/* Where the structs are cleaned for a dimension; 0: they are as they were set. */
+static void put_all(const pbf_emission *e, uint32_t dimension, void *buffer) {
   const stored_head stored = head_of(e);
   unsigned char *at = put(buffer, &stored, sizeof stored);
   for (uint32_t i = 0; i < e->head.source_count; ++i) {
     const stored_source source = {e->sources[i].due, e->sources[i].number};
+    pbf_emitter emitter = e->sources[i].emitter;
+    if (dimension) pbf_emitter_clean(&emitter, dimension);
     at = put(at, &source, sizeof source);
-    at = put(at, &e->sources[i].emitter, sizeof e->sources[i].emitter);
+    at = put(at, &emitter, sizeof emitter);
   }
-  at = put(at, e->drains, e->head.drain_count * sizeof *e->drains);
+  for (uint32_t i = 0; i < e->head.drain_count; ++i) {
+    pbf_volume drain = e->drains[i];
+    if (dimension) pbf_volume_clean(&drain, dimension);
+    at = put(at, &drain, sizeof drain);
+  }
   at = put(at, e->births, e->head.births_count * sizeof *e->births);
   at = put(at, e->guided, e->head.guided_count * sizeof *e->guided);
-  put(at, e->reservoirs, e->head.reservoir_count * sizeof *e->reservoirs);
+  for (uint32_t i = 0; i < e->head.reservoir_count; ++i) {
+    pbf_reservoir reservoir = e->reservoirs[i];
+    if (dimension) pbf_reservoir_clean(&reservoir, dimension);
+    at = put(at, &reservoir, sizeof reservoir);
+  }
+}
+
+void pbf_emission_save(const pbf_solver *solver, void *buffer) {
+  put_all(solver->emission, 0, buffer);
+}
+
+void pbf_emission_put_clean(const pbf_solver *solver, void *buffer) {
+  put_all(solver->emission, solver->kind.dimension, buffer);
 }
 
 /* ---- Reading --------------------------------------------------------------------------------- */
@@ -109,7 +127,8 @@ static pbf_status read_drains(const pbf_solver *solver, const stored_head *store
   for (uint32_t i = 0; i < stored->head.drain_count; ++i) {
     pbf_status status =
         pbf_struct_in_stored(&pbf_kind_volume, *at, stored->volume_size, &e->drains[i]);
-    if (status == PBF_OK) status = pbf_volumes_check(solver->kind, "drains", 1, &e->drains[i]);
+    if (status == PBF_OK)
+      status = pbf_volume_check(&e->drains[i], "drains", solver->kind.dimension);
     if (status != PBF_OK) return status;
     *at += stored->volume_size;
   }

@@ -72,17 +72,11 @@ pbf_status pbf_phase_init(pbf_phase *phase, uint32_t struct_size) {
 }
 
 static pbf_status copy_in(uint32_t count, const pbf_phase *theirs, pbf_phases *ours) {
-  const unsigned char *at = (const unsigned char *)theirs;
-  const uint32_t size = pbf_struct_size(theirs);
-  for (uint32_t i = 0; i < count; ++i, at += size) {
-    if (pbf_struct_size(at) != size)
-      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "phases[%u].struct_size is %u; it must be that of phases[0], %u", i,
-                      pbf_struct_size(at), size);
-    pbf_status status = pbf_struct_in_sized(&pbf_kind_phase, at, size, &ours->of[i]);
-    if (status != PBF_OK) return status;
-  }
-  return PBF_OK;
+  const uint32_t first = pbf_struct_size(theirs);
+  pbf_status status = PBF_OK;
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    status = pbf_struct_in_array(&pbf_kind_phase, "phases", theirs, first, i, &ours->of[i]);
+  return status;
 }
 
 /* That what has a phase still has one. */
@@ -190,9 +184,21 @@ pbf_status pbf_get_phase(pbf_solver *solver, uint32_t index, pbf_phase *phase) {
   return pbf_leave(solver, get_phase(solver, index, phase));
 }
 
+/* Each number is read once: another thread may write there. */
+static pbf_status copy_rows(uint32_t count, const uint32_t *in, uint32_t phases, uint8_t *bytes) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t phase = ((const volatile uint32_t *)in)[i];
+    if (phase >= phases)
+      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                      "phases[%u] is %u; it must be below the number of phases, %u", i, phase,
+                      phases);
+    bytes[i] = (uint8_t)phase;
+  }
+  return PBF_OK;
+}
+
 static pbf_status set_rows(pbf_solver *solver, uint32_t first, uint32_t count, const uint32_t *in) {
   pbf_phases *phases = solver->phases;
-  const uint32_t most = phases ? phases->count : 0;
   pbf_status status = pbf_check_unmapped(solver);
   if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
@@ -200,18 +206,13 @@ static pbf_status set_rows(pbf_solver *solver, uint32_t first, uint32_t count, c
   if (status != PBF_OK) return status;
   if (!phases)
     return pbf_fail(PBF_ERROR_STATE, "the solver has no phases; pbf_set_phases gives it some");
-  for (uint32_t i = 0; i < count; ++i)
-    if (in[i] >= most)
-      return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                      "phases[%u] is %u; it must be below the number of phases, %u", i, in[i],
-                      most);
   void *memory;
   status = pbf_memory_allocate(&solver->allocator, count, "phases of particles", &memory);
   if (status != PBF_OK) return status;
   uint8_t *bytes = memory;
-  for (uint32_t i = 0; i < count; ++i) bytes[i] = (uint8_t)in[i];
   const pbf_rows rows = pbf_ids_rows(solver, first, count);
-  if (phases->differ) status = write_rows(solver, &rows, bytes);
+  status = copy_rows(count, in, phases->count, bytes);
+  if (status == PBF_OK && phases->differ) status = write_rows(solver, &rows, bytes);
   if (status == PBF_OK) memcpy(phases->rows + first, bytes, count);
   pbf_memory_free(&solver->allocator, memory, count);
   return status;

@@ -87,31 +87,35 @@ static pbf_volume_flow flow_in(pbf_query_place *place, const pbf_volume_frame *f
 }
 
 /* Numbers that are accepted each may have a product that is none. */
-static pbf_status check_sizes(uint32_t dimension, uint32_t count, const pbf_volume *volumes) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const pbf_volume volume = pbf_volumes_get(volumes, i);
-    const pbf_volume_frame frame = pbf_volume_frame_of(&volume, dimension);
-    if (isfinite(pbf_volume_size(&frame))) continue;
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "volumes[%u] is so large that its volume is no number; smaller sizes would do",
-                    i);
-  }
-  return PBF_OK;
+static pbf_status frame_in(pbf_check_kind kind, const pbf_volume *volumes, uint32_t first,
+                           uint32_t index, pbf_volume_frame *frame) {
+  pbf_volume volume;
+  pbf_status status = pbf_volume_in(kind, "volumes", volumes, first, index, &volume);
+  if (status != PBF_OK) return status;
+  *frame = pbf_volume_frame_of(&volume, kind.dimension);
+  if (isfinite(pbf_volume_size(frame))) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "volumes[%u] is so large that its volume is no number; smaller sizes would do",
+                  index);
 }
 
 static pbf_status measure(pbf_solver *solver, uint32_t count, const pbf_volume *volumes,
                           pbf_volume_flow *flows) {
   pbf_query_place place = {0};
-  pbf_status status = pbf_volumes_check(solver->kind, "volumes", count, volumes);
-  if (status == PBF_OK) status = check_sizes(solver->kind.dimension, count, volumes);
+  pbf_volume_frame frame;
+  pbf_status status = PBF_OK;
+  if (count > 0 && !volumes) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "volumes is null");
+  const uint32_t first = count > 0 ? pbf_struct_size(volumes) : 0;
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    status = frame_in(solver->kind, volumes, first, i, &frame);
   if (status != PBF_OK || count == 0) return status;
   if (!flows) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "flows is null");
   const uint32_t size = pbf_struct_size(flows);
   status = pbf_struct_check_size(&pbf_kind_volume_flow, size);
   if (status == PBF_OK) status = pbf_query_index_get(solver, PBF_QUERY_VELOCITIES, &place.index);
   for (uint32_t i = 0; i < count && status == PBF_OK; ++i) {
-    const pbf_volume volume = pbf_volumes_get(volumes, i);
-    const pbf_volume_frame frame = pbf_volume_frame_of(&volume, solver->kind.dimension);
+    status = frame_in(solver->kind, volumes, first, i, &frame);
+    if (status != PBF_OK) return status;
     const pbf_volume_flow flow = flow_in(&place, &frame);
     pbf_struct_out(&pbf_kind_volume_flow, &flow, (char *)flows + (uint64_t)i * size, size);
   }

@@ -70,33 +70,22 @@ pbf_status pbf_volume_check(const pbf_volume *volume, const char *label, uint32_
   return status;
 }
 
-static const void *struct_at(const pbf_volume *theirs, uint32_t index) {
-  return (const unsigned char *)theirs + (uint64_t)index * pbf_struct_size(theirs);
+pbf_status pbf_volume_in(pbf_check_kind kind, const char *name, const pbf_volume *theirs,
+                         uint32_t first, uint32_t index, pbf_volume *ours) {
+  char label[64];
+  pbf_status status = pbf_struct_in_array(&pbf_kind_volume, name, theirs, first, index, ours);
+  snprintf(label, sizeof label, "%s[%u]", name, index);
+  return status == PBF_OK ? pbf_volume_check(ours, label, kind.dimension) : status;
 }
 
-pbf_status pbf_volumes_check(pbf_check_kind kind, const char *label, uint32_t count,
-                             const pbf_volume *theirs) {
-  char name[64];
-  pbf_volume ours;
-  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", label);
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t size = pbf_struct_size(struct_at(theirs, i)), first = pbf_struct_size(theirs);
-    if (size != first)
-      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "%s[%u].struct_size is %u; it must be that of %s[0], %u", label, i, size,
-                      label, first);
-    snprintf(name, sizeof name, "%s[%u]", label, i);
-    pbf_status status = pbf_struct_in(&pbf_kind_volume, struct_at(theirs, i), &ours);
-    if (status == PBF_OK) status = pbf_volume_check(&ours, name, kind.dimension);
-    if (status != PBF_OK) return status;
-  }
-  return PBF_OK;
-}
-
-pbf_volume pbf_volumes_get(const pbf_volume *theirs, uint32_t index) {
-  pbf_volume ours = {0};
-  pbf_struct_in(&pbf_kind_volume, struct_at(theirs, index), &ours);
-  return ours;
+pbf_status pbf_volumes_in(pbf_check_kind kind, const char *name, uint32_t count,
+                          const pbf_volume *theirs, pbf_volume *ours) {
+  if (count > 0 && !theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
+  const uint32_t first = count > 0 ? pbf_struct_size(theirs) : 0;
+  pbf_status status = PBF_OK;
+  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+    status = pbf_volume_in(kind, name, theirs, first, i, &ours[i]);
+  return status;
 }
 
 /* ---- Shapes ---------------------------------------------------------------------------------- */
@@ -174,16 +163,35 @@ double pbf_volume_size(const pbf_volume_frame *frame) {
   return ball + l * (is_3d ? pi * r * r : 2 * r);
 }
 
+static pbf_volume initial_of(uint32_t shape) {
+  return (pbf_volume){.struct_size = sizeof(pbf_volume),
+                      .shape = shape,
+                      .orientation = {0, 0, 0, 1},
+                      .half_extents = {1, 1, 1},
+                      .axis = {0, 1, 0},
+                      .radius = 1,
+                      .half_length = 1};
+}
+
+void pbf_volume_clean(pbf_volume *volume, uint32_t dimension) {
+  const pbf_volume initial = initial_of(volume->shape);
+  const int is_box = volume->shape == PBF_VOLUME_BOX;
+  const int is_capsule = volume->shape == PBF_VOLUME_CAPSULE;
+  for (uint32_t k = dimension; k < 3; ++k) {
+    volume->position[k] = initial.position[k];
+    volume->axis[k] = initial.axis[k];
+  }
+  for (uint32_t k = is_box ? dimension : 0; k < 3; ++k)
+    volume->half_extents[k] = initial.half_extents[k];
+  if (is_box) volume->radius = initial.radius;
+  if (!is_capsule) memcpy(volume->axis, initial.axis, sizeof initial.axis);
+  if (!is_capsule) volume->half_length = initial.half_length;
+}
+
 pbf_status pbf_volume_init(pbf_volume *volume, uint32_t struct_size, uint32_t shape) {
   pbf_status status = pbf_struct_check_size(&pbf_kind_volume, struct_size);
   if (status != PBF_OK) return status;
-  const pbf_volume initial = {.struct_size = struct_size,
-                              .shape = shape,
-                              .orientation = {0, 0, 0, 1},
-                              .half_extents = {1, 1, 1},
-                              .axis = {0, 1, 0},
-                              .radius = 1,
-                              .half_length = 1};
+  const pbf_volume initial = initial_of(shape);
   if (!volume) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "volume is null");
   status = pbf_check_count(&shape_rule, "volume", &initial);
   if (status != PBF_OK) return status;

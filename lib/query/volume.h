@@ -15,15 +15,19 @@ typedef struct pbf_volume_frame {
   double radius, half_length; /* 0 where the shape has none */
 } pbf_volume_frame;
 
-/* Checks the caller's array of structs; `label` is what messages call it. */
-pbf_status pbf_volumes_check(pbf_check_kind kind, const char *label, uint32_t count,
-                             const pbf_volume *theirs);
+/* Copies the caller's array of structs, which messages call `name`, and checks the copies. */
+pbf_status pbf_volumes_in(pbf_check_kind kind, const char *name, uint32_t count,
+                          const pbf_volume *theirs, pbf_volume *ours);
+
+/* The same of one of an array whose first has this size. */
+pbf_status pbf_volume_in(pbf_check_kind kind, const char *name, const pbf_volume *theirs,
+                         uint32_t first, uint32_t index, pbf_volume *ours);
 
 /* One of ours by itself; messages call it `label`. */
 pbf_status pbf_volume_check(const pbf_volume *volume, const char *label, uint32_t dimension);
 
-/* One of an array that was checked. */
-pbf_volume pbf_volumes_get(const pbf_volume *theirs, uint32_t index);
+/* What its shape and the dimension ignore becomes as pbf_volume_init gives it. */
+void pbf_volume_clean(pbf_volume *volume, uint32_t dimension);
 
 pbf_volume_frame pbf_volume_frame_of(const pbf_volume *volume, uint32_t dimension);
 

@@ -26,23 +26,31 @@ static pbf_status check_one(const pbf_solver *solver, const char *name, uint32_t
   return pbf_collider_check(collider, label, solver->kind);
 }
 
-/* Every struct of the array, which the message calls `name`, has the size of the first; *held
- * counts those that have their references. */
-static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t count,
+/* What a caller gives colliders for. */
+typedef enum array_use { TO_SET, TO_MOVE } array_use;
+
+static const char *name_of(array_use use) { return use == TO_MOVE ? "targets" : "colliders"; }
+
+/* A target is a pose and sizes: how it would move on is not looked at. */
+static void forget_motion(pbf_collider *target) {
+  memset(target->velocity, 0, sizeof target->velocity);
+  memset(target->angular_velocity, 0, sizeof target->angular_velocity);
+  memset(target->half_extents_rate, 0, sizeof target->half_extents_rate);
+  target->radius_rate = target->half_length_rate = target->scale_rate = target->duration = 0;
+  target->path = PBF_PATH_AUTO;
+}
+
+/* *held counts those that have their references. */
+static pbf_status copy_in(const pbf_solver *solver, array_use use, uint32_t count,
                           const pbf_collider *theirs, pbf_collider *ours, uint32_t *held) {
-  uint32_t stride = count > 0 ? pbf_struct_size(theirs) : 0;
+  const char *name = name_of(use);
+  const uint32_t first = count > 0 ? pbf_struct_size(theirs) : 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const unsigned char *one = (const unsigned char *)theirs + (uint64_t)i * stride;
-    uint32_t size = pbf_struct_size(one);
-    if (size != stride) {
-      return pbf_fail(PBF_ERROR_STRUCT_SIZE,
-                      "%s[%u].struct_size is %u; it must be that of %s[0], %u", name, i, size, name,
-                      stride);
-    }
-    pbf_status status = pbf_struct_in_sized(&pbf_kind_collider, one, stride, &ours[i]);
+    pbf_status status = pbf_struct_in_array(&pbf_kind_collider, name, theirs, first, i, &ours[i]);
     if (status == PBF_OK) status = pbf_collider_hold(&ours[i], name, i);
     if (status != PBF_OK) return status;
     ++*held;
+    if (use == TO_MOVE) forget_motion(&ours[i]);
     status = check_one(solver, name, i, &ours[i]);
     if (status != PBF_OK) return status;
   }
@@ -50,7 +58,7 @@ static pbf_status copy_in(const pbf_solver *solver, const char *name, uint32_t c
 }
 
 /* A copy of a caller's array, checked and with references of its own. */
-static pbf_status take(const pbf_solver *solver, const char *name, uint32_t count,
+static pbf_status take(const pbf_solver *solver, array_use use, uint32_t count,
                        const pbf_collider *theirs, pbf_collider **ours) {
   void *memory = NULL;
   uint32_t held = 0;
@@ -60,7 +68,7 @@ static pbf_status take(const pbf_solver *solver, const char *name, uint32_t coun
   if (pbf_collider_words(count) > 0)
     memset(pbf_colliders_marked(solver, count, memory, (enum pbf_collider_mark)0), 0,
            PBF_COLLIDER_MARKS * (uint64_t)pbf_collider_words(count) * sizeof(uint64_t));
-  status = copy_in(solver, name, count, theirs, memory, &held);
+  status = copy_in(solver, use, count, theirs, memory, &held);
   *ours = memory;
   if (status == PBF_OK) return PBF_OK;
   pbf_colliders_let_go(held, memory);
@@ -278,7 +286,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   pbf_collider *memory = NULL;
   double now = pbf_solver_time(solver);
   pbf_status status = check_array(solver, count, theirs);
-  if (status == PBF_OK && count > 0) status = take(solver, "colliders", count, theirs, &memory);
+  if (status == PBF_OK && count > 0) status = take(solver, TO_SET, count, theirs, &memory);
   if (status != PBF_OK) return status;
   choose_paths(solver, count, memory, now);
   const jumps found = find_jumps(solver, count, memory);
@@ -374,7 +382,7 @@ static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_c
   pbf_collider *memory = NULL;
   pbf_status status = check_move(solver, count, theirs, duration);
   if (status != PBF_OK || count == 0) return status;
-  status = take(solver, "targets", count, theirs, &memory);
+  status = take(solver, TO_MOVE, count, theirs, &memory);
   if (status != PBF_OK) return status;
   status = aim(solver, count, duration, memory);
   if (status == PBF_OK) return put_in_place(solver, count, memory);

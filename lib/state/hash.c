@@ -36,7 +36,7 @@ static pbf_status add_emission(pbf_solver *solver, uint64_t *hash) {
   if (bytes == 0) return PBF_OK;
   pbf_status status = pbf_memory_allocate(&solver->allocator, bytes, "emitters to hash", &scratch);
   if (status != PBF_OK) return status;
-  pbf_emission_save(solver, scratch);
+  pbf_emission_put_clean(solver, scratch);
   *hash = pbf_fnv(*hash, scratch, bytes);
   pbf_memory_free(&solver->allocator, scratch, bytes);
   return PBF_OK;
