@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include "common/rows.h"
+
 enum { PBF_ID_ENTRIES = 1024, PBF_IDS_AN_ENTRY = 4 };
 
 typedef struct pbf_id_rows {
@@ -14,18 +16,6 @@ typedef struct pbf_id_rows {
   uint32_t shift;                     /* an entry is of 2^shift ids, from ids[0] on */
   uint32_t first[PBF_ID_ENTRIES + 1]; /* the first row with an id of the entry or a later one */
 } pbf_id_rows;
-
-/* The first of rows low … high - 1 with an id of at least `id`, or high. */
-static inline uint32_t pbf_id_bound(const uint32_t *ids, uint32_t low, uint32_t high, uint32_t id) {
-  while (low < high) {
-    const uint32_t middle = low + (high - low) / 2;
-    if (ids[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
 
 /* Takes less than looking up as many ids as there are rows. */
 static inline void pbf_id_rows_begin(pbf_id_rows *rows, const uint32_t *ids, uint32_t total) {

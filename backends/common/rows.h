@@ -6,17 +6,22 @@
 
 #include "physics/features.h"
 
-/* Position of `id` in ascending ids[0 … count - 1], or count where it is not among them. */
-PBF_FN uint32_t pbf_find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
-  uint32_t low = 0, high = count;
+/* The first of ascending ids[low … high - 1] that is at least `id`, or high. */
+PBF_FN uint32_t pbf_id_bound(const uint32_t *ids, uint32_t low, uint32_t high, uint32_t id) {
   while (low < high) {
-    uint32_t middle = low + (high - low) / 2;
+    const uint32_t middle = low + (high - low) / 2;
     if (ids[middle] < id)
       low = middle + 1;
     else
       high = middle;
   }
-  return low < count && ids[low] == id ? low : count;
+  return low;
+}
+
+/* Position of `id` in ascending ids[0 … count - 1], or count where it is not among them. */
+PBF_FN uint32_t pbf_find_id(const uint32_t *ids, uint32_t count, uint32_t id) {
+  const uint32_t at = pbf_id_bound(ids, 0, count, id);
+  return at < count && ids[at] == id ? at : count;
 }
 
 static inline uint32_t pbf_row_of(const pbf_rows *rows, uint32_t id) {

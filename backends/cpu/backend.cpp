@@ -357,10 +357,12 @@ static pbf_status any_of_ranks(solver *s, uint32_t mine, uint32_t *any) {
   return end_on_ranks(s);
 }
 
+static void note_settings(solver *s, uint64_t settings) { s->ranks.settings = settings; }
+
 /* That it works on ranks, with phases: pbf_backend_desc.ranks. And how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
-  static const pbf_backend_ranks_tell tell = {sizeof tell, 0, any_of_ranks};
+  static const pbf_backend_ranks_tell tell = {sizeof tell, 0, any_of_ranks, note_settings};
   if (!(PBF_BUILT & PBF_FEATURE_RANKS)) return pbf_common_extension(name);
   if (strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
   return strcmp(name, PBF_BACKEND_RANKS) == 0 ? &works : pbf_common_extension(name);

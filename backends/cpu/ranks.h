@@ -190,7 +190,7 @@ struct rank_call {
   char call[32];
   uint64_t room; /* capacity and local capacity */
   uint64_t kind; /* variant, instruction set, shares */
-  uint64_t params, colliders, phases, particles, arguments;
+  uint64_t params, colliders, phases, particles, settings, arguments;
 };
 
 static inline const char *differing_part(const rank_call &a, const rank_call &b) {
@@ -201,6 +201,7 @@ static inline const char *differing_part(const rank_call &a, const rank_call &b)
   if (a.colliders != b.colliders) return "the colliders";
   if (a.phases != b.phases) return "the phases";
   if (a.particles != b.particles) return "the particles that were added, set or removed";
+  if (a.settings != b.settings) return "emitters, drains, reservoirs or diffuse particles";
   return a.arguments != b.arguments ? "the arguments of the call, or the time" : NULL;
 }
 
@@ -266,6 +267,7 @@ static inline bool agree_on_call(solver *s, const char *call, const void *argume
       digest(DIGEST_OF_NOTHING, s->table.list, s->collider_count * sizeof *s->table.list);
   mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
   mine.particles = s->ranks.particles;
+  mine.settings = s->ranks.settings;
   mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
   for (uint32_t k = 1; k < s->ranks.count; ++k)

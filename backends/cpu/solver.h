@@ -80,6 +80,7 @@ typedef struct ranks_state {
   char reason[256];
 
   uint64_t particles; /* a digest of all that callers gave */
+  uint64_t settings;  /* and one of what the library keeps itself */
   uint32_t total;     /* particles of all ranks */
   uint32_t before;    /* own ones, before the running step */
   bool lacks;         /* this rank has no memory for its neighbours */

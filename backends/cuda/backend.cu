@@ -351,12 +351,17 @@ static pbf_status any_of_ranks(pbf_backend_solver *handle, uint32_t mine, uint32
   return end_on_ranks(s);
 }
 
+static void note_settings(pbf_backend_solver *handle, uint64_t settings) {
+  of(handle)->ranks.settings = settings;
+}
+
 /* That it works on ranks, with phases: pbf_backend_desc.ranks; how worlds of a batch step together;
  * the caller's memory on the device; and how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
-  static const pbf_backend_ranks_tell tell = {sizeof(pbf_backend_ranks_tell), 0, any_of_ranks};
+  static const pbf_backend_ranks_tell tell = {sizeof(pbf_backend_ranks_tell), 0, any_of_ranks,
+                                              note_settings};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
   if (strcmp(name, PBF_BACKEND_DEVICE_ROWS) == 0) return &device_calls;

@@ -73,7 +73,7 @@ static inline bool on_all_ranks(solver *s, bool yes) {
 /* What ranks must have in common in a call, and whether one's memory has come to lie elsewhere. */
 struct rank_call {
   char call[32];
-  uint64_t room, kind, params, colliders, phases, particles, arguments;
+  uint64_t room, kind, params, colliders, phases, particles, settings, arguments;
   uint64_t changed;
 };
 
@@ -85,6 +85,7 @@ static inline const char *differing_part(const rank_call &a, const rank_call &b)
   if (a.colliders != b.colliders) return "the colliders";
   if (a.phases != b.phases) return "the phases";
   if (a.particles != b.particles) return "the particles that were added, set or removed";
+  if (a.settings != b.settings) return "emitters, drains, reservoirs or diffuse particles";
   return a.arguments != b.arguments ? "the arguments of the call, or the time" : nullptr;
 }
 
@@ -102,6 +103,7 @@ static inline rank_call rank_call_of(const solver *s, const char *call, const vo
       digest(DIGEST_OF_NOTHING, s->colliders, s->collider_count * sizeof *s->colliders);
   mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
   mine.particles = s->ranks.particles;
+  mine.settings = s->ranks.settings;
   mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
   mine.changed = s->ranks.changed;
   return mine;

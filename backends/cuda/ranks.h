@@ -153,6 +153,7 @@ struct rank_state {
   bool lost, told;   /* the others are out of reach; and the caller knows */
   char reason[320];
   uint64_t particles; /* a digest of what has come in */
+  uint64_t settings;  /* and one of what the library keeps itself */
   uint64_t sequence;  /* of what all tell each other */
   uint32_t turn;      /* of their rooms */
   rank_control *control;

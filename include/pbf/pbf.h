@@ -31,10 +31,10 @@
  *             older caller's pbf_params has not have their defaults, as when it is compiled anew.
  *             Non-zero bytes beyond what the library knows are PBF_ERROR_STRUCT_SIZE, never
  *             ignored.
- *   errors    a call that can fail returns a pbf_status; pbf_last_error() then has a sentence, a line
- *             of UTF-8, that names the argument, its value and what would do. Out-parameters stay
- *             untouched, the solver stays as it was. The library never prints, aborts, exits or
- *             throws; OpenMP's runtime, which comes with `openmp`, may (docs/limits.md).
+ *   errors    a call that can fail returns a pbf_status; pbf_last_error() then has a sentence, a
+ *             line of UTF-8, that names the argument, its value and what would do. Out-parameters
+ *             stay untouched, the solver stays as it was. The library never prints, aborts, exits
+ *             or throws; OpenMP's runtime, which comes with `openmp`, may (docs/limits.md).
  *   threads   functions without a solver may be called from any thread at any time. A solver
  *             belongs to one thread at a time; different solvers may run in different threads at
  *             once. A call that meets another one inside the same solver returns PBF_ERROR_BUSY,

@@ -204,12 +204,15 @@ typedef struct pbf_backend_solver pbf_backend_solver;
 
 /* The extension of a backend on ranks that tells them what one knows. All ranks call `any` alike,
  * between the steps of a call: *any becomes 1 where `mine` is 1 on a rank, else 0. Without it a
- * call that is cancelled on ranks goes on to its end. */
+ * call that is cancelled on ranks goes on to its end. `note` gives a number of what the library has
+ * been told and keeps itself, as emitters, which ranks must have in common like parameters; without
+ * it ranks that differ there are told when particles do. */
 #define PBF_BACKEND_RANKS_TELL "pbf.ranks_tell/1"
 typedef struct pbf_backend_ranks_tell {
   uint32_t struct_size;
   uint32_t reserved;
   pbf_status (*any)(pbf_backend_solver *solver, uint32_t mine, uint32_t *any);
+  void (*note)(pbf_backend_solver *solver, uint64_t settings); /* or missing: struct_size */
 } pbf_backend_ranks_tell;
 
 /* The extension of a backend that steps the worlds of a batch together. Between put_off(world, 1)

@@ -8,6 +8,7 @@
 #include "solids.h"
 #include "particles/values.h"
 #include "solver/handles.h"
+#include "solver/rank_settings.h"
 #include "solver/solver_time.h"
 #include "structs.h"
 #include "text.h"
@@ -33,7 +34,7 @@ static void take_over(pbf_diffuse *to, const pbf_diffuse *from) {
 
 static pbf_status set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *theirs) {
   pbf_diffuse *made = NULL;
-  pbf_diffuse_desc desc;
+  pbf_diffuse_desc desc = {0};
   if (theirs) {
     pbf_status status = pbf_struct_in(&pbf_kind_diffuse_desc, theirs, &desc);
     if (status == PBF_OK) status = pbf_diffuse_check(&desc, solver->kind);
@@ -45,6 +46,7 @@ static pbf_status set_diffuse(pbf_solver *solver, const pbf_diffuse_desc *theirs
   }
   pbf_diffuse_free(solver, solver->diffuse);
   solver->diffuse = made;
+  pbf_rank_settings_note(solver, "pbf_set_diffuse", &desc, made ? sizeof desc : 0);
   return PBF_OK;
 }
 
@@ -151,6 +153,7 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
     p->born = d->head.time;
     p->dies = pbf_diffuse_end(d->head.time, pbf_value_at(lives, i, precision));
     pbf_diffuse_keep_inside(solver, &walls, p);
+    pbf_rank_settings_note(solver, "pbf_add_diffuse", p, sizeof *p);
   }
   return PBF_OK;
 }
@@ -162,7 +165,7 @@ pbf_status pbf_add_diffuse(pbf_solver *solver, uint32_t count, const void *posit
   return pbf_leave(solver, add(solver, count, positions, velocities, lives));
 }
 
-static pbf_status shift(const pbf_solver *solver, const double *way) {
+static pbf_status shift(pbf_solver *solver, const double *way) {
   char number[PBF_NUMBER_SIZE];
   pbf_diffuse *d = solver->diffuse;
   if (!way) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "way is null");
@@ -176,6 +179,7 @@ static pbf_status shift(const pbf_solver *solver, const double *way) {
       double *x = &pbf_diffuse_at(d, n)->position[k];
       *x = fmin(fmax(*x + way[k], -pbf_check_most), pbf_check_most);
     }
+  pbf_rank_settings_note(solver, "pbf_shift_diffuse", way, solver->kind.dimension * sizeof *way);
   return PBF_OK;
 }
 

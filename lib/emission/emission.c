@@ -11,6 +11,7 @@
 #include "particles/phases.h"
 #include "query/volume.h"
 #include "solver/handles.h"
+#include "solver/rank_settings.h"
 #include "structs.h"
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -82,6 +83,8 @@ static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emi
     if (i < count) e->sources[i].emitter = ours[i];
   }
   e->head.source_count = count;
+  for (uint32_t i = 0; i < count; ++i) pbf_emitter_clean(&ours[i], solver->kind.dimension);
+  pbf_rank_settings_note(solver, "pbf_set_emitters", ours, count * sizeof *ours);
   pbf_emission_bound_stage(e);
   return PBF_OK;
 }
@@ -127,6 +130,8 @@ static pbf_status set_drains(pbf_solver *solver, uint32_t count, const pbf_volum
   memset(e->drains, 0, sizeof e->drains);
   if (count > 0) memcpy(e->drains, ours, count * sizeof *ours);
   e->head.drain_count = count;
+  for (uint32_t i = 0; i < count; ++i) pbf_volume_clean(&ours[i], solver->kind.dimension);
+  pbf_rank_settings_note(solver, "pbf_set_drains", ours, count * sizeof *ours);
   return PBF_OK;
 }
 

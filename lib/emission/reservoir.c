@@ -10,6 +10,7 @@
 #include "particles/phases.h"
 #include "physics/spacing.h"
 #include "solver/handles.h"
+#include "solver/rank_settings.h"
 #include "solver/solver_time.h"
 #include "structs.h"
 #include "text.h"
@@ -140,6 +141,8 @@ static pbf_status set_reservoirs(pbf_solver *solver, uint32_t count, const pbf_r
   memset(e->reservoirs, 0, sizeof e->reservoirs);
   if (count > 0) memcpy(e->reservoirs, ours, count * sizeof *ours);
   e->head.reservoir_count = count;
+  for (uint32_t i = 0; i < count; ++i) pbf_reservoir_clean(&ours[i], solver->kind.dimension);
+  pbf_rank_settings_note(solver, "pbf_set_reservoirs", ours, count * sizeof *ours);
   pbf_emission_bound_stage(e);
   return PBF_OK;
 }

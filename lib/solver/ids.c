@@ -1,5 +1,6 @@
 #include "ids.h"
 
+#include "common/rows.h"
 #include "memory.h"
 
 uint32_t pbf_ids_of_row(const pbf_solver *solver, uint32_t row) {
@@ -7,17 +8,12 @@ uint32_t pbf_ids_of_row(const pbf_solver *solver, uint32_t row) {
 }
 
 int pbf_ids_find(const pbf_solver *solver, uint32_t id, uint32_t *row) {
-  uint32_t low = 0, end = solver->count;
-  while (low < end) {
-    uint32_t middle = low + (end - low) / 2;
-    if (pbf_ids_of_row(solver, middle) < id) {
-      low = middle + 1;
-    } else {
-      end = middle;
-    }
-  }
-  *row = low;
-  return low < solver->count && pbf_ids_of_row(solver, low) == id;
+  const uint32_t count = solver->count;
+  if (solver->ids)
+    *row = pbf_id_bound(solver->ids, 0, count, id);
+  else
+    *row = id < count ? id : count;
+  return *row < count && pbf_ids_of_row(solver, *row) == id;
 }
 
 pbf_status pbf_ids_store(pbf_solver *solver) {

@@ -99,6 +99,7 @@ struct pbf_solver {
   pbf_ranks ranks; /* count 0: alone */
   uint32_t untold; /* steps since ranks have told each other whether their call is cancelled, … */
   uint32_t told;   /* … and 1: it is */
+  uint64_t rank_settings; /* a number of all that rank_settings.h has been given */
   const pbf_plugin *plugin;
   pbf_backend_api api; /* the table of this solver's variant */
   pbf_backend_solver *backend;

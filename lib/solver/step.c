@@ -1,6 +1,7 @@
 #include "step.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "backend_call.h"
 #include "diffuse/diffuse.h"
@@ -206,7 +207,7 @@ static pbf_status tell_ranks(pbf_solver *solver) {
   if (!solver->ranks.count || solver->untold < steps_at_once(solver, UINT32_MAX)) return PBF_OK;
   solver->untold = 0;
   const pbf_backend_ranks_tell *tell = api->get_extension(PBF_BACKEND_RANKS_TELL);
-  if (!tell || tell->struct_size < sizeof *tell) return PBF_OK;
+  if (!tell || tell->struct_size < offsetof(pbf_backend_ranks_tell, note)) return PBF_OK;
   return pbf_backend_result(
       solver, tell->any(solver->backend, is_asked_to_end(solver), &solver->told), "any");
 }

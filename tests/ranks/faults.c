@@ -2,6 +2,8 @@
 #include <pthread.h>
 #include <time.h>
 
+#include <pbf/diffuse.h>
+#include <pbf/emit.h>
 #include <pbf/phases.h>
 
 #include "support.h"
@@ -185,6 +187,44 @@ static void differ_in_phases(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
+/* Each gives one rank another number than the others, and leaves the particles as they are. */
+static void differ_in_emission(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  const int what = *(const int *)context;
+  const double off = ranks->rank == 1 ? 1e-3 : 0;
+  pbf_emitter tap;
+  pbf_volume drain;
+  pbf_reservoir tank;
+  pbf_diffuse_desc spray;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_emitter_init(&tap, sizeof tap, PBF_EMITTER_DISC));
+  EXPECT_OK(pbf_volume_init(&drain, sizeof drain, PBF_VOLUME_BOX));
+  EXPECT_OK(pbf_reservoir_init(&tank, sizeof tank));
+  EXPECT_OK(pbf_diffuse_init(s, &spray, sizeof spray));
+  spray.capacity = 50;
+  tap.radius = 0.1;
+  tap.rate = 1e-6;
+  tap.lifetime = 5 + off;
+  for (int k = 0; k < 3; ++k) {
+    tap.position[k] = drain.position[k] = 0.9;
+    drain.half_extents[k] = 0.02;
+    tank.position[k] = 0.75;
+    tank.half_extents[k] = 0.05;
+  }
+  drain.position[0] += off;
+  tank.depth = 0.01 + 0.01 * off;
+  spray.lifetime_max += off;
+  if (what == 0) EXPECT_OK(pbf_set_emitters(s, 1, &tap));
+  if (what == 1) EXPECT_OK(pbf_set_drains(s, 1, &drain));
+  if (what == 2) EXPECT_OK(pbf_set_reservoirs(s, 1, &tank));
+  if (what == 3) EXPECT_OK(pbf_set_diffuse(s, &spray));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT,
+               "emitters, drains, reservoirs or diffuse particles");
+  pbf_destroy(s);
+}
+
 static void make_other_calls(const pbf_ranks *ranks, void *context) {
   const pbf_params params = params_of();
   pbf_solver *s = solver_on(ranks, &params);
@@ -209,6 +249,7 @@ static void ranks_that_differ_are_told_in_what(void **state) {
   run(2, 0, differ_in_colliders, NULL);
   run(2, 0, differ_in_phases, NULL);
   run(2, 0, make_other_calls, NULL);
+  for (int what = 0; what < 4; ++what) run(3, 0, differ_in_emission, &what);
 }
 
 /* ---- Memory -------------------------------------------------------------------------------- */
