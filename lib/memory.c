@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <stdatomic.h>
 
+#include "common/fp_environment.h"
 #include "error.h"
 #include "os.h"
 
@@ -59,12 +60,16 @@ static uint64_t at_least_one(uint64_t size) { return size ? size : 1; }
 pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
                                void **memory) {
   size = at_least_one(size);
+  const pbf_fp_environment ours = pbf_fp_now();
   *memory = allocator->allocate(allocator->user, size, ALIGNMENT);
+  pbf_fp_end(ours); /* a caller's function may have left another one */
   if (*memory) return PBF_OK;
   return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "the allocator gave no %" PRIu64 " bytes for %s", size,
                   purpose);
 }
 
 void pbf_memory_free(const pbf_allocator *allocator, void *memory, uint64_t size) {
+  const pbf_fp_environment ours = pbf_fp_now();
   if (memory) allocator->release(allocator->user, memory, at_least_one(size), ALIGNMENT);
+  pbf_fp_end(ours);
 }

@@ -26,11 +26,18 @@ static inline void pbf_set_x87_control(uint16_t value) {
   __asm__ volatile("fldcw %0" : : "m"(value) : "memory");
 }
 
-/* Sets the environment of this thread, and returns the one before. */
+/* That of this thread. */
+static inline pbf_fp_environment pbf_fp_now(void) {
+  pbf_fp_environment now;
+  __asm__ volatile("stmxcsr %0" : "=m"(now.mxcsr) : : "memory");
+  __asm__ volatile("fnstcw %0" : "=m"(now.x87_control) : : "memory");
+  return now;
+}
+
+/* Sets the environment of this thread, and returns the one before. Also after functions of the
+ * caller's, which may have left another one. */
 static inline pbf_fp_environment pbf_fp_begin(void) {
-  pbf_fp_environment before;
-  __asm__ volatile("stmxcsr %0" : "=m"(before.mxcsr) : : "memory");
-  __asm__ volatile("fnstcw %0" : "=m"(before.x87_control) : : "memory");
+  const pbf_fp_environment before = pbf_fp_now();
   pbf_set_mxcsr(PBF_DEFAULT_MXCSR);
   if (before.x87_control != PBF_DEFAULT_X87_CONTROL) pbf_set_x87_control(PBF_DEFAULT_X87_CONTROL);
   return before;
@@ -39,7 +46,7 @@ static inline pbf_fp_environment pbf_fp_begin(void) {
 /* Puts back what pbf_fp_begin has found, flags of exceptions included. */
 static inline void pbf_fp_end(pbf_fp_environment before) {
   pbf_set_mxcsr(before.mxcsr);
-  if (before.x87_control != PBF_DEFAULT_X87_CONTROL) pbf_set_x87_control(before.x87_control);
+  if (before.x87_control != pbf_fp_now().x87_control) pbf_set_x87_control(before.x87_control);
 }
 
 #else
@@ -50,9 +57,14 @@ typedef struct pbf_fp_environment {
   fenv_t environment;
 } pbf_fp_environment;
 
+static inline pbf_fp_environment pbf_fp_now(void) {
+  pbf_fp_environment now;
+  fegetenv(&now.environment);
+  return now;
+}
+
 static inline pbf_fp_environment pbf_fp_begin(void) {
-  pbf_fp_environment before;
-  fegetenv(&before.environment);
+  const pbf_fp_environment before = pbf_fp_now();
   fesetenv(FE_DFL_ENV);
   return before;
 }

@@ -9,6 +9,7 @@
 #include <pbf/ranks.h>
 
 #include "common/digest.h"
+#include "common/fp_environment.h"
 #include "common/number.h"
 #include "common/system.h"
 #include "cpu/worker.h"
@@ -43,6 +44,7 @@ static inline void refuse_on_ranks(solver *s, pbf_status status, const char *sen
 
 /* Of the others: what they hold is out of reach, for good. */
 static inline void note_communication(solver *s, pbf_status status) {
+  (void)pbf_fp_begin();
   s->ranks.since = pbf_thread_seconds();
   if (status == PBF_OK) return;
   refuse_on_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));

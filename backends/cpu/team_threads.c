@@ -317,10 +317,12 @@ static int can_be_had(void) {
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
   void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
+  (void)pbf_fp_begin();
   team_thread self = {.api = &cpu_team, .team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
   close_task(r);
   if (handle) tasks->finish(tasks->user, handle);
+  (void)pbf_fp_begin();
 }
 
 /* ---- A run --------------------------------------------------------------------------------- */

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "common/digest.h"
+#include "common/fp_environment.h"
 #include "common/number.h"
 #include "cuda/arrays.h"
 #include "cuda/rank_kernels.h"
@@ -50,6 +51,7 @@ static inline pbf_status end_on_ranks(solver *s) {
 /* ---- Questions ----------------------------------------------------------------------------- */
 
 static inline bool note_communication(solver *s, pbf_status status) {
+  (void)pbf_fp_begin();
   if (status != PBF_OK) lose_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));
   return !s->ranks.failed;
 }

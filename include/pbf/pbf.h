@@ -63,7 +63,7 @@
  *             and can be destroyed. A device is the parent's.
  *   rounding  every call computes with rounding to nearest, subnormal numbers and exceptions
  *             masked, whatever the calling thread has set, and gives that back as it was, flags
- *             included. Callbacks run in between.
+ *             included. Callbacks run in between; what they set of it ends with them.
  *   arrays    hold the solver's element type (pbf_desc.precision), row-major, shape
  *             (count, dimension), in the order in which the particles were added.
  *   units     any consistent set; lengths, times and accelerations are the caller's own. In units

@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #include "compiler.h"
+#include "common/fp_environment.h"
 #include "os.h"
 
 /* ---- Blocks of memory that are out --------------------------------------------------------- */
@@ -76,35 +77,42 @@ PBF_UNSANITIZED static void begin(pbf_callbacks *own, mark *here) {
   own->frame = here;
 }
 
-static void end(pbf_callbacks *own) { own->frame = NULL; }
+/* The caller's function may have left another environment than that which it was called in. */
+static void end(pbf_callbacks *own, pbf_fp_environment ours) {
+  pbf_fp_end(ours);
+  own->frame = NULL;
+}
 
 PBF_UNSANITIZED static void *allocate(void *user, uint64_t size, uint64_t alignment) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  const pbf_fp_environment ours = pbf_fp_now();
   mark here;
   begin(own, &here);
   void *memory = own->allocator.allocate(own->allocator.user, size, alignment);
-  end(own);
+  end(own, ours);
   note_taken(own, memory, size, alignment);
   return memory;
 }
 
 PBF_UNSANITIZED static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  const pbf_fp_environment ours = pbf_fp_now();
   mark here;
   note_released(own, memory);
   begin(own, &here);
   own->allocator.release(own->allocator.user, memory, size, alignment);
-  end(own);
+  end(own, ours);
 }
 
 PBF_UNSANITIZED static void write_log(void *user, int32_t level, const char *message) {
   pbf_callbacks *own = &((pbf_solver *)user)->callbacks;
+  const pbf_fp_environment ours = pbf_fp_now();
   mark here;
   if (!own->log || atomic_load_explicit(&((pbf_solver *)user)->destroyed, memory_order_relaxed))
     return;
   begin(own, &here);
   own->log(own->log_user, level, message);
-  end(own);
+  end(own, ours);
 }
 
 void pbf_callbacks_wrap(pbf_solver *solver, const pbf_allocator *allocator, pbf_log_fn log,

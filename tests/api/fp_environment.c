@@ -165,6 +165,62 @@ static void a_callers_environment_changes_nothing(void **state) {
   test_for_each_kind(compare);
 }
 
+/* ---- Callbacks ------------------------------------------------------------------------------ */
+
+static setting left; /* by each callback, as by one that loads a library which sets it */
+
+static void *allocate(void *user, uint64_t size, uint64_t alignment) {
+  void *memory = test_allocator.allocate(user, size, alignment);
+  left();
+  return memory;
+}
+
+static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
+  test_allocator.release(user, memory, size, alignment);
+  left();
+}
+
+static void take_log(void *user, int32_t level, const char *message) {
+  (void)user, (void)level, (void)message;
+  left();
+}
+
+static void *run_at_once(void *user, pbf_task_fn run_items, void *task, uint32_t items,
+                         uint32_t min_range) {
+  (void)user, (void)min_range;
+  run_items(task, 0, items);
+  left();
+  return NULL;
+}
+
+static void finish(void *user, void *handle) { (void)user, (void)handle; }
+
+static void compare_left(uint32_t dimension, uint32_t precision) {
+  scene s = make_scene(dimension, precision);
+  pbf_allocator memory = test_allocator;
+  s.params.time_step = 1 / 30.0; /* which the log is told is too long */
+  const outcome usual = run(&s, to_nearest);
+  memory.allocate = allocate;
+  memory.release = release;
+  s.desc.allocator = &memory;
+  s.desc.log = take_log;
+  if (strcmp(test_backend(), "threads") == 0) {
+    s.desc.enqueue_task = run_at_once;
+    s.desc.finish_task = finish;
+  }
+  for (size_t k = 0; k < SETTINGS; ++k) {
+    left = settings[k];
+    outcome o = run(&s, to_nearest);
+    if (memcmp(&o, &usual, sizeof o) != 0) fail_msg("callbacks' setting %zu changes the bits", k);
+  }
+  free_scene(&s);
+}
+
+static void a_callbacks_environment_changes_nothing(void **state) {
+  (void)state;
+  test_for_each_kind(compare_left);
+}
+
 /* ---- Threads that have been started by others ---------------------------------------------- */
 
 /* The entry to a parallel region of GCC's OpenMP library, if that is loaded. (Those of clang's have
@@ -213,6 +269,7 @@ static void a_pools_environment_changes_nothing(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_callers_environment_changes_nothing),
+      cmocka_unit_test(a_callbacks_environment_changes_nothing),
       cmocka_unit_test(a_pools_environment_changes_nothing),
   };
   return TEST_RUN(tests);
