@@ -239,8 +239,34 @@ static pbf_status add_missing(pbf_solver *solver, pbf_emission *e, pbf_reservoir
   return status;
 }
 
+/* From where to where the domain is along the box's own y axis, from its middle. */
+static void find_reach(const pbf_solver *solver, const pbf_volume_frame *box, double reach[2]) {
+  const uint32_t n = solver->kind.dimension;
+  const pbf_box domain = pbf_params_box(&solver->params, n, pbf_solver_time(solver));
+  reach[0] = INFINITY;
+  reach[1] = -INFINITY;
+  for (uint32_t corner = 0; corner < 1u << n; ++corner) {
+    double at = 0;
+    for (uint32_t k = 0; k < n; ++k)
+      at += ((corner >> k & 1 ? domain.upper[k] : domain.lower[k]) - box->position[k]) *
+            box->axes[1][k];
+    reach[0] = fmin(reach[0], at);
+    reach[1] = fmax(reach[1], at);
+  }
+}
+
+/* Where the lowest may be: whole spacings above the box's side, so far as that is below the domain,
+ * where there is none: a domain may have been made smaller since. *upper ends with the domain. */
+static double lowest_place(const pbf_solver *solver, const pbf_reservoir_frame *f, double *upper) {
+  const double lowest = f->lower + 0.5 * f->spacing;
+  double reach[2];
+  find_reach(solver, &f->box, reach);
+  *upper = fmin(f->upper, reach[1]);
+  return lowest + f->spacing * floor(fmax(reach[0] - lowest, 0) / f->spacing);
+}
+
 static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
-  const pbf_reservoir_frame f = frame_of(solver, r);
+  pbf_reservoir_frame f = frame_of(solver, r);
   const uint64_t cells = (uint64_t)f.cells[0] * f.cells[1];
   void *memory;
   /* A spacing that has been made smaller since, or a saved state of a larger solver. */
@@ -249,7 +275,8 @@ static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
                                           "the surface of a reservoir", &memory);
   if (status != PBF_OK) return status;
   heap h = {&f, memory, (uint32_t)cells};
-  for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){f.lower + 0.5 * f.spacing, none};
+  const double lowest = lowest_place(solver, &f, &f.upper);
+  for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){lowest, none};
   status = add_missing(solver, e, r, &h);
   pbf_memory_free(&solver->allocator, memory, cells * sizeof(heap_cell));
   return status;

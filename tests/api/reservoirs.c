@@ -394,6 +394,35 @@ static void forged(void **state) {
 }
 
 /* With a spacing of a billionth it would hold more particles than there are numbers. */
+/* A state may hold a box that reaches far beyond the domain, which may have become smaller since.
+ */
+static void a_box_far_below_the_domain(void **state) {
+  (void)state;
+  const double far[] = {1e6, 1e12, 1e18, 1e150};
+  const uint32_t counts[3] = {6, 3, 6};
+  const pbf_params params = test_params();
+  for (size_t i = 0; i < sizeof far / sizeof far[0]; ++i) {
+    pbf_solver *s = tank(2, PBF_FLOAT32, &params, counts);
+    pbf_reservoir r = reservoir_of(0.3);
+    r.half_extents[1] = 0.4375; /* which stands once in a state */
+    r.position[1] = 0.5;
+    assert_ok(pbf_set_reservoirs(s, 1, &r));
+    uint64_t size, at = 0;
+    unsigned char *saved = test_save(s, &size);
+    while (memcmp(saved + at, &r.half_extents[1], sizeof(double)) != 0)
+      assert_true(++at + 8 < size);
+    memcpy(saved + at, &far[i], sizeof far[i]);
+    test_seal(saved, size);
+    assert_ok(pbf_load(s, saved, size));
+    assert_ok(pbf_step(s, 2)); /* and ends */
+    uint32_t count;
+    assert_ok(pbf_get_count(s, &count));
+    assert_int_equal(count, 18); /* the level is below the domain */
+    free(saved);
+    pbf_destroy(s);
+  }
+}
+
 static void a_spacing_far_smaller_since(void **state) {
   (void)state;
   const uint32_t none[3] = {0, 0, 0};
@@ -424,6 +453,7 @@ int main(void) {
       cmocka_unit_test(failures),
       cmocka_unit_test(a_full_solver),
       cmocka_unit_test(refusals),
+      cmocka_unit_test(a_box_far_below_the_domain),
       cmocka_unit_test(a_spacing_far_smaller_since),
       cmocka_unit_test(forged),
   };
