@@ -186,11 +186,11 @@ typedef struct pbf_params {
                   time step. 0, the default: none */
   double drag_velocity[3];
   double max_depenetration_speed; /* length/time, >= 0: what overlaps parts no faster: particles out
-                       of colliders that are set, jump or grow where they are, and those that are
-                       placed upon others. With PBF_COLLIDE_AFTER_PREDICTION, which it needs.
-                       0, the default: sqrt(|gravity| h), the speed of a fall by h/2; without
-                       gravity as attraction makes it over the domain, without that too h / 100 a
-                       step */
+                       of colliders that are set, jump or grow faster than that where they are, and
+                       those that are placed upon others. With PBF_COLLIDE_AFTER_PREDICTION, which
+                       it needs. 0, the default: sqrt(|gravity| h), the speed of a fall by h/2;
+                       without gravity as attraction makes it over the domain, without that too h /
+                       100 a step */
   uint32_t max_substeps; /* up to so many parts, at most 1000, the library divides a step into that
                             is longer than pbf_get_step_limit: as few and equal ones as bring it
                             below that, found anew for each step from the state at its begin alone.

@@ -11,6 +11,7 @@
 #include "handles.h"
 #include "memory.h"
 #include "overlap.h"
+#include "physics/depenetration.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -187,13 +188,17 @@ static double turn_between(const pbf_collider *a, const pbf_collider *b) {
   return 2 * acos(cosine_of_half_turn(a, b)) * size_of(a);
 }
 
-static int same_shape(const pbf_collider *a, const pbf_collider *b) {
-  return a->shape == b->shape && a->inverted == b->inverted && a->radius == b->radius &&
-         a->half_length == b->half_length && a->geometry == b->geometry && a->scale == b->scale &&
-         memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
-}
-
 static double distance_of(const double a[3], const double b[3]) { return sqrt(distance2(a, b)); }
+
+/* How far its surface goes at most as it takes on another one's sizes; without end, if that is no
+ * matter of sizes. */
+static double growth_between(const pbf_collider *a, const pbf_collider *b) {
+  if (a->shape != b->shape || a->inverted != b->inverted || a->geometry != b->geometry)
+    return INFINITY;
+  if (a->shape == PBF_COLLIDER_BOX) return distance_of(a->half_extents, b->half_extents);
+  if (a->shape == PBF_COLLIDER_SHAPE) return fabs(a->scale - b->scale) * a->geometry->bound;
+  return fabs(a->radius - b->radius) + fabs(a->half_length - b->half_length);
+}
 
 static int keeps_size(const pbf_collider *c) {
   return c->radius_rate == 0 && c->half_length_rate == 0 && c->scale_rate == 0 &&
@@ -204,10 +209,10 @@ static int keeps_size(const pbf_collider *c) {
  * it is set now: no point of it has gone farther, on its way and from where it was to where it is
  * now, than all that is added up here. */
 static int is_surely_near(const pbf_collider *before, double elapsed, const pbf_collider *next,
-                          double h) {
+                          double h, double most_growth) {
   const double by_norm = 0.004;        /* that orientations have to 1e-6 */
   const double most_per_sine = 1.5708; /* asin x <= pi / 2 x */
-  if (!keeps_size(before) || !same_shape(before, next)) return 0;
+  if (!keeps_size(before) || growth_between(before, next) > most_growth) return 0;
   const double cosine = cosine_of_half_turn(before, next);
   const double sine = sqrt(0.5 * (1 - cosine)); /* of a quarter of the turn between the poses */
   const double turn =
@@ -219,10 +224,11 @@ static int is_surely_near(const pbf_collider *before, double elapsed, const pbf_
 
 /* How far it is set from where its motion has led, and *turn, how far its surface has turned. */
 static void find_jump(const pbf_collider *before, double elapsed, const pbf_collider *next,
-                      double way[3], double *turn) {
+                      double most_growth, double way[3], double *turn) {
   pbf_collider now = *next;
   if (before) pbf_motion_collider(before, elapsed, &now);
-  *turn = before && same_shape(&now, next) ? turn_between(&now, next) : INFINITY;
+  const int is_it = before && growth_between(&now, next) <= most_growth;
+  *turn = is_it ? turn_between(&now, next) : INFINITY;
   for (int a = 0; a < 3; ++a) way[a] = next->position[a] - now.position[a];
 }
 
@@ -232,10 +238,18 @@ typedef struct jumps {
   double shift[3];
 } jumps;
 
+/* Of a size that is set anew in each step, as that of a balloon: what its surface then finds, the
+ * next step's collision pushes out of it. */
+static double most_growth_of(const pbf_solver *solver) {
+  return pbf_max_depenetration_speed_of(&solver->params, (int)solver->kind.dimension) *
+         solver->params.time_step;
+}
+
 /* Where they have been shifted alike, the world's origin may have been. */
 static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
   const double h = solver->params.smoothing_radius, nowhere[3] = {0, 0, 0};
   const double elapsed = pbf_solver_time(solver) - solver->collider_time;
+  const double most_growth = most_growth_of(solver);
   const uint32_t words = pbf_collider_words(count);
   jumps found = {
       {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_IN)},
@@ -246,8 +260,8 @@ static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *
   for (uint32_t k = 0; k < count; ++k) {
     const pbf_collider *before = k < solver->collider_count ? &solver->colliders[k] : NULL;
     double turn, way[3];
-    if (before && is_surely_near(before, elapsed, &next[k], h)) continue;
-    find_jump(before, elapsed, &next[k], way, &turn);
+    if (before && is_surely_near(before, elapsed, &next[k], h, most_growth)) continue;
+    find_jump(before, elapsed, &next[k], most_growth, way, &turn);
     if (turn + distance_of(nowhere, way) < h) continue;
     if (!any) memcpy(found.shift, way, sizeof way);
     const int alike = turn + distance_of(found.shift, way) < h;

@@ -190,11 +190,35 @@ static void nothing_is_thrown_between_ball_and_wall(void **state) {
   test_for_each_kind(check_balls_through_walls);
 }
 
+/* A balloon that is set a little larger for each step: water is denser around it by no more than
+ * elsewhere, for it gives way. */
+static void check_balloon(uint32_t dimension, uint32_t precision) {
+  const double time_step = 1.0 / 120, rate = 0.3;
+  pbf_stats stats = {.struct_size = sizeof stats};
+  pbf_solver *solver = tank(dimension, precision, time_step);
+  for (int step = 0; step < 48; ++step) {
+    const pbf_collider balloon = ball_of(0.3, 0.25, 0.05 + rate * time_step * step);
+    assert_ok(pbf_set_colliders(solver, 1, &balloon));
+    assert_ok(pbf_step(solver, 1));
+  }
+  assert_ok(pbf_get_stats(solver, &stats));
+  if (!(stats.density_error_mean < 0.04))
+    fail_msg("%uD: denser than at rest by %g", dimension, stats.density_error_mean);
+  pbf_destroy(solver);
+}
+
+static void what_grows_a_little_each_step_presses_nothing(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub collides with nothing");
+  test_for_each_kind(check_balloon);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(particles_leave_at_the_speed_that_is_told),
       cmocka_unit_test(what_a_ball_finds_is_not_thrown),
       cmocka_unit_test(nothing_is_thrown_between_ball_and_wall),
+      cmocka_unit_test(what_grows_a_little_each_step_presses_nothing),
   };
   return TEST_RUN(tests);
 }
