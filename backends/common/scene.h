@@ -2,7 +2,8 @@
  * all that changes the schedule. Part of reference/backend.cpp and cpu/backend.cpp. Their solvers
  * have the same members for it, and these functions:
  *
- *   keep_arrays, wake_all, wake_near_moving, init_new   as they declare them
+ *   keep_arrays, wake_all, wake_near_moving, wake_all_if_near, keep_awake_near, init_new
+ *                                                   as they declare them
  *   void settle_pressures(Solver *)                 before what pressures come from changes
  *   void settle_for(Solver *, uint32_t count, const pbf_collider *)
  *                                                   before these take the place of the colliders
@@ -151,6 +152,19 @@ static pbf_status set_params(Solver *s, const pbf_params *params) {
   return PBF_OK;
 }
 
+/* By colliders that do not stay as they are: what it held loses its pressure at once. */
+template <class Solver>
+static void wake_what_was_held(Solver *s, uint32_t count, const pbf_collider *colliders) {
+  const pbf_collider_table *t = &s->table;
+  const double elapsed = s->now - s->collider_time;
+  pbf_note_still_moving(s->moving_obstacles, s->collider_count, t->list, elapsed, t->still_moving);
+  const pbf_moving_obstacles moving =
+      pbf_still_moving(s->moving_obstacles, s->collider_count, t->list, elapsed, t->still_moving);
+  const pbf_moving_obstacles departing =
+      pbf_departing_surfaces(s->collider_count, t->list, count, colliders, moving, t->changed);
+  wake_all_if_near(s, departing, s->now);
+}
+
 /* Once there is room for them. */
 template <class Solver>
 static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collider *colliders,
@@ -159,6 +173,8 @@ static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collide
   pbf_schedule schedule = schedule_of(s, &s->params, &s->derived, count, colliders, s->overlaps);
   pbf_status status = take_schedule(s, &schedule, &s->params);
   if (status != PBF_OK) return status;
+  const bool may_sleep = (PBF_BUILT & PBF_FEATURE_SLEEP) && s->schedule.runs[PBF_STAGE_SLEEP] != 0;
+  if (may_sleep) wake_what_was_held(s, count, colliders);
   const pbf_moving_obstacles changed = pbf_changed_surfaces(
       s->collider_count, t->list, count, colliders, s->moving_obstacles, t->changed);
   wake_near_moving(s, changed, s->now);
@@ -171,6 +187,9 @@ static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collide
   s->schedule = schedule;
   s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, t->list, t->moving);
   wake_near_moving(s, changed, time);
+  if (may_sleep)
+    keep_awake_near(s, pbf_arriving_surfaces(count, changed, s->moving_obstacles, t->still_moving),
+                    time);
   return PBF_OK;
 }
 

@@ -218,6 +218,7 @@ static pbf_status read_on_ranks(solver *s, uint32_t which, const pbf_rows *rows,
   const uint32_t *ids = s->buffers.ids;
   uint32_t count = s->count;
   if (!agree_on_call(s, "a reading of particles", asked, sizeof asked)) return end_on_ranks(s);
+  if (which == PBF_BACKEND_FIELD_REST) wake_ranks(s);
   pbf_status status = read_own(s, which, rows, out);
   if (status != PBF_OK) return status;
   if (which == PBF_FIELD_DENSITY || which == PBF_FIELD_PRESSURE) {

@@ -94,7 +94,7 @@ static void read_rest(const solver *s, const pbf_rows *rows, pbf_real *out) {
 
 static void write_rest(solver *s, const pbf_rows *rows, const pbf_real *in) {
   const wanted_rows wanted = find_wanted(rows);
-  s->asleep = 0;
+  s->asleep = s->wakes_ranks = 0;
   for (uint32_t i = 0; i < s->count && s->buffers.activity; ++i) {
     uint64_t row = wanted_row(wanted, s->buffers.ids[i]);
     if (row < wanted.count) {

@@ -162,10 +162,42 @@ static int wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, do
   return s->asleep < before;
 }
 
+/* What is awake near these colliders as they stand at a time. */
+static void keep_awake_near(solver *s, pbf_moving_obstacles arriving, double time) {
+  pbf_obstacles obstacles;
+  if (!sleeps(s) || !pbf_any_obstacle_moves(arriving)) return;
+  place_obstacles(s, time, &obstacles);
+  for (uint32_t i = 0; i < s->count; ++i) {
+    pbf_real *activity = &s->buffers.activity[i];
+    const pbf_real least = pbf_disturbed_activity(&s->sleep);
+    if (pbf_is_asleep(*activity) || *activity >= least ||
+        !is_near_moving(s, arriving, obstacles, field_at(&s->buffers.x, i)))
+      continue;
+    *activity = least;
+  }
+}
+
+/* Wakes all where any particle sleeps near these colliders as they stand at a time. Other ranks
+ * learn of it as soon as all are asked. */
+static void wake_all_if_near(solver *s, pbf_moving_obstacles departing, double time) {
+  if (!wake_near_moving(s, departing, time)) return;
+  if (has_ranks(s))
+    s->wakes_ranks = 1;
+  else
+    wake_all(s);
+}
+
+static void wake_ranks(solver *s) {
+  if (!sleeps(s)) return;
+  if (!on_all_ranks(s, !s->wakes_ranks)) wake_all(s);
+  s->wakes_ranks = 0;
+}
+
 /* Of all particles, on ranks: where each rank has woken its own. */
 static void count_sleepers_of_ranks(solver *s) {
   uint32_t own = 0;
   if (!sleeps(s)) return;
+  wake_ranks(s);
   for (uint32_t i = 0; i < s->count; ++i) own += (uint32_t)pbf_is_asleep(s->buffers.activity[i]);
   s->asleep = (uint32_t)sum_of_ranks(s, own);
 }

@@ -149,6 +149,7 @@ struct pbf_backend_solver {
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   uint32_t asleep;              /* at the end of the last step, or 0 since a particle woke */
+  uint32_t wakes_ranks;         /* 1: a collider has left this rank's sleepers, and all wake */
   atomic_uint near_sleep_count; /* asleep, or still enough to sleep: counted in each step, */
   atomic_uint sleepers;         /* as are these */
   atomic_uint all_asleep;       /* 1: the run ends, since all sleep, */

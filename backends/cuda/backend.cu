@@ -40,6 +40,7 @@ static pbf_status run_steps(solver *s, const pbf_step_times &times, uint32_t ste
   const uint32_t count = particles_of_all(s);
   *done = 0;
   if (has_ranks(s) && !agree_on_step(s, times, steps)) return end_on_ranks(s);
+  if (pbf_status status = wake_ranks(s)) return end_call(s, status);
   s->time = pbf_time_after(&times, count ? 0 : steps);
   *done = count ? 0 : steps;
   while (*done < steps) {

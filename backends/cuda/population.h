@@ -33,12 +33,18 @@ static inline pbf_status init_new(solver *s, uint32_t first, uint32_t count) {
   return pbf_cuda_check_launch("greet_kernel");
 }
 
-static inline pbf_status wake_all(solver *s) {
+template <bool CONDITIONAL>
+static inline pbf_status launch_wake_all(solver *s) {
   if (!PBF_SLEEP || !s->activity || !s->count) return PBF_OK;
   ++s->epoch;
-  wake_all_kernel<<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
+  wake_all_kernel<CONDITIONAL><<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(
       s->count, s->sleep, s->activity + s->first, s->tally);
   return pbf_cuda_check_launch("wake_all_kernel");
+}
+
+static inline pbf_status wake_all(solver *s) {
+  s->ranks.wakes = false;
+  return launch_wake_all<false>(s);
 }
 
 /* Those near these colliders as they stood, or will stand, at a time. */
@@ -51,6 +57,46 @@ static inline pbf_status wake_near_colliders(solver *s, pbf_moving_obstacles mov
   return wake_near_moving(s, moving_obstacles,
                           {pbf_domain_at(&s->params, time, s->schedule.close_phases),
                            (int)s->collider_count, surfaces_of_step(s, 0)});
+}
+
+/* What is awake near these colliders as they stand at a time. */
+static inline pbf_status keep_awake_near(solver *s, pbf_moving_obstacles arriving, double time) {
+  if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(arriving)) return PBF_OK;
+  if (pbf_status status = place_surfaces(s, time)) return status;
+  if (are_listed(s))
+    if (pbf_status status = upload_set(s, MANY_MOVING, &arriving.more)) return status;
+  const step_obstacles obstacles = {pbf_domain_at(&s->params, time, s->schedule.close_phases),
+                                    (int)s->collider_count, surfaces_of_step(s, 0)};
+  with_lists(s, [&](auto listed) {
+    keep_awake_near_kernel<decltype(listed)::value>
+        <<<blocks_for(s->count), PBF_BLOCK, 0, s->stream>>>(s->points + s->first, s->count,
+                                                            s->sleep, arriving, obstacles,
+                                                            s->constants.h, s->activity + s->first);
+  });
+  return pbf_cuda_check_launch("keep_awake_near_kernel");
+}
+
+/* Where any particle sleeps near these colliders as they stand at a time. Other ranks learn of it
+ * as soon as all are asked. */
+static inline pbf_status wake_all_if_near(solver *s, pbf_moving_obstacles departing, double time) {
+  if (!PBF_SLEEP || !s->activity || !s->count || !pbf_any_obstacle_moves(departing)) return PBF_OK;
+  pbf_status status = pbf_cuda_check(
+      cudaMemsetAsync(&s->tally->woken, 0, sizeof s->tally->woken, s->stream), "cudaMemsetAsync");
+  if (status == PBF_OK) status = wake_near_colliders(s, departing, time);
+  if (status != PBF_OK) return status;
+  if (!has_ranks(s)) return launch_wake_all<true>(s);
+  uint32_t woken = 0;
+  status = copy_out(s, &woken, &s->tally->woken, sizeof woken);
+  s->ranks.wakes = s->ranks.wakes || woken;
+  return status;
+}
+
+/* On ranks: before what all do that must know who sleeps. */
+static inline pbf_status wake_ranks(solver *s) {
+  if (!PBF_SLEEP || !has_ranks(s) || !s->activity) return PBF_OK;
+  const bool any = !on_all_ranks(s, !s->ranks.wakes);
+  if (s->ranks.failed) return s->ranks.failed;
+  return any ? wake_all(s) : PBF_OK;
 }
 
 /* ---- Pressure of the last step --------------------------------------------------------------- */

@@ -221,6 +221,7 @@ static inline pbf_status read_state_on_ranks(solver *s, uint32_t field, const pb
                                              void *out) {
   if (pbf_status status = settle_state(s)) return status;
   if (field == PBF_BACKEND_FIELD_REST) {
+    if (pbf_status status = wake_ranks(s)) return status;
     rest_of_particle *rest = reinterpret_cast<rest_of_particle *>(s->other);
     if (!s->activity) return PBF_OK;
     if (s->count)

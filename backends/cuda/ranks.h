@@ -164,6 +164,7 @@ struct rank_state {
   uint64_t index_room;           /* … as are these: indices of a pressure grid, … */
   uint64_t number_room;          /* … numbers that are summed up, … */
   uint32_t note_room;            /* … and notes about particles */
+  bool wakes;      /* a collider has left sleepers of its own, and those of all are to wake */
   bool all_asleep; /* on all ranks, after the last step; tally->all is 0 or not by it */
   uint32_t *cell_memory;
   bool one_by_one;        /* ranks share a device: none may wait there for another */

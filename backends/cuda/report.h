@@ -27,6 +27,7 @@ static inline void fill_stats(const partial_stats &sum, uint32_t count, pbf_stat
 
 static inline pbf_status count_asleep(solver *s, uint32_t *asleep) {
   if (!PBF_SLEEP || !s->activity) return PBF_OK;
+  if (pbf_status status = wake_ranks(s)) return status;
   if (pbf_status status =
           pbf_cuda_check(cudaMemsetAsync(&s->tally->asked, 0, sizeof s->tally->asked, s->stream),
                          "cudaMemsetAsync"))

@@ -126,21 +126,32 @@ static inline void drop_shapes(solver *s, const device_shapes &next) {
   free_shape_table(s->allocator, next);
 }
 
+/* By colliders that do not stay as they are: what it held loses its pressure at once. */
+static inline pbf_status wake_what_was_held(solver *s, uint32_t count,
+                                            const pbf_collider *colliders) {
+  if (!PBF_SLEEP || !s->activity) return PBF_OK;
+  const pbf_moving_obstacles departing =
+      pbf_departing_surfaces(s->collider_count, s->colliders, count, colliders,
+                             moving_obstacles_at(s, s->time), s->many.table.changed);
+  return wake_all_if_near(s, departing, s->time);
+}
+
 /* Once there is room for them. */
 static inline pbf_status replace_colliders(solver *s, uint32_t count, const pbf_collider *colliders,
                                            double time) {
   /* Room for those before, too: fluid near them wakes. */
   uint32_t room = count ? count : s->collider_count;
   const pbf_collider *first = count ? colliders : s->colliders;
-  const pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders, s->moving_obstacles,
-                           s->many.table.changed);
   device_shapes shapes;
   pbf_status status = take_shapes(s->allocator, &s->memory, s->shapes, count, colliders, &shapes);
   if (status) return status;
   status = apply_params(s, &s->params, room, first);
   /* What the grid of the last step adds to pressures goes by its shapes. */
   if (!status && s->shapes.memory != shapes.memory && s->topology_memory) status = add_weight(s);
+  if (!status) status = wake_what_was_held(s, count, colliders);
+  const pbf_moving_obstacles changed =
+      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders, s->moving_obstacles,
+                           s->many.table.changed);
   if (!status) status = wake_near_colliders(s, changed, s->time);
   if (!status) status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
   if (status) {
@@ -158,7 +169,10 @@ static inline pbf_status replace_colliders(solver *s, uint32_t count, const pbf_
   s->moving_obstacles =
       pbf_moving_obstacles_of(&s->params, count, s->colliders, s->many.table.moving);
   note_standing(s);
-  return wake_near_colliders(s, changed, time);
+  if ((status = wake_near_colliders(s, changed, time)) || !PBF_SLEEP || !s->activity) return status;
+  return keep_awake_near(
+      s, pbf_arriving_surfaces(count, changed, s->moving_obstacles, s->many.table.still_moving),
+      time);
 }
 
 #endif

@@ -14,6 +14,7 @@ struct sleep_tally {
   uint32_t all;              /* 1: all particles sleep */
   uint32_t some;             /* a particle may sleep */
   uint32_t asked;            /* sleepers, for statistics */
+  uint32_t woken;            /* 1: a particle slept near colliders that move or have moved */
 };
 
 /* Of particles in sorted order, at the end of a step; a byte each. */
@@ -104,7 +105,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   __threadfence();
   bool all = atomicAdd(&tally->sleepers, 0u) == count;
   if (all) *all_asleep = epoch;
-  *tally = {0, 0, 0, all, 0, 0};
+  *tally = {0, 0, 0, all, 0, 0, 0};
 }
 
 /* No particle solves while all sleep: then the iterations are those of the step before. */
@@ -126,11 +127,26 @@ static __global__ void wake_near_moving_kernel(const point *points, uint32_t cou
     return;
   activity[i] = pbf_woken_activity(&sleep);
   tally->all = 0;
+  tally->woken = 1;
 }
 
+template <bool LISTED>
+static __global__ void keep_awake_near_kernel(const point *points, uint32_t count, pbf_sleep sleep,
+                                              pbf_moving_obstacles arriving, step_obstacles o,
+                                              pbf_real reach, pbf_real *activity) {
+  uint32_t i = thread_index();
+  if (i >= count || pbf_is_asleep(activity[i])) return;
+  const pbf_vec x = position_of(load(points, i));
+  if (pbf_near_moving_obstacle(arriving, asked_near<LISTED>(o, x, (double)reach), reach, x))
+    activity[i] = pbf_real_max(activity[i], pbf_disturbed_activity(&sleep));
+}
+
+/* CONDITIONAL: where a particle near colliders has just woken. */
+template <bool CONDITIONAL>
 static __global__ void wake_all_kernel(uint32_t count, pbf_sleep sleep, pbf_real *activity,
                                        sleep_tally *tally) {
   uint32_t i = thread_index();
+  if (CONDITIONAL && !tally->woken) return;
   if (i < count && pbf_is_asleep(activity[i])) activity[i] = pbf_woken_activity(&sleep);
   if (i == 0) tally->all = 0;
 }

@@ -47,6 +47,12 @@ PBF_FN int pbf_just_woke(const pbf_sleep *s, pbf_real activity) {
   return activity == s->wake_threshold2;
 }
 
+/* The least of one awake near a collider that has just come to stand. What sleeps near a collider
+ * thus says that this has stood for a while, and is not set elsewhere in each step. */
+PBF_FN pbf_real pbf_disturbed_activity(const pbf_sleep *s) {
+  return (pbf_real)0.875 * s->wake_threshold2;
+}
+
 /* Of a particle that comes into being: it also wakes those around it. */
 PBF_FN pbf_real pbf_new_activity(const pbf_sleep *s) { return 2 * s->wake_threshold2; }
 

@@ -84,14 +84,33 @@ static inline pbf_moving_obstacles moving_obstacles_at(const solver *s, double t
                           s->table.still_moving);
 }
 
-/* Wakes what is near solids that move, or have been moved, as they stand at a time. */
-static inline void wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
-  if (!sleeps(s) || !pbf_any_obstacle_moves(moving_obstacles)) return;
+/* Wakes what is near solids that move, or have been moved, as they stand at a time; whether any
+ * particle slept there. */
+static inline bool wakes_any_near_moving(solver *s, pbf_moving_obstacles moving_obstacles,
+                                         double time) {
+  bool any = false;
+  if (!sleeps(s) || !pbf_any_obstacle_moves(moving_obstacles)) return false;
   pbf_obstacles obstacles = obstacles_at(s, time);
   for (uint32_t i = 0; i < s->count; ++i)
     if (asleep(s, i) &&
-        pbf_near_moving_obstacle(moving_obstacles, obstacles, s->constants.h, s->x[i]))
+        pbf_near_moving_obstacle(moving_obstacles, obstacles, s->constants.h, s->x[i])) {
       s->activity[i] = pbf_woken_activity(&s->sleep);
+      any = true;
+    }
+  return any;
+}
+
+static inline void wake_near_moving(solver *s, pbf_moving_obstacles moving_obstacles, double time) {
+  wakes_any_near_moving(s, moving_obstacles, time);
+}
+
+/* What is awake near these colliders as they stand at a time. */
+static inline void keep_awake_near(solver *s, pbf_moving_obstacles arriving, double time) {
+  if (!sleeps(s) || !pbf_any_obstacle_moves(arriving)) return;
+  pbf_obstacles obstacles = obstacles_at(s, time);
+  for (uint32_t i = 0; i < s->count; ++i)
+    if (!asleep(s, i) && pbf_near_moving_obstacle(arriving, obstacles, s->constants.h, s->x[i]))
+      s->activity[i] = pbf_real_max(s->activity[i], pbf_disturbed_activity(&s->sleep));
 }
 
 /* ---- Between steps ------------------------------------------------------------------------- */
@@ -107,6 +126,11 @@ static inline void init_new(solver *s, uint32_t first) {
 static inline void wake_all(solver *s) {
   for (uint32_t i = 0; i < s->count; ++i)
     if (asleep(s, i)) s->activity[i] = pbf_woken_activity(&s->sleep);
+}
+
+/* Where any particle sleeps near these colliders as they stand at a time. */
+static inline void wake_all_if_near(solver *s, pbf_moving_obstacles departing, double time) {
+  if (wakes_any_near_moving(s, departing, time)) wake_all(s);
 }
 
 /* The activity and the lambda of each. */

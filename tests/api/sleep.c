@@ -288,7 +288,8 @@ static void a_moving_wall_wakes(void **state) {
   pbf_destroy(s);
 }
 
-/* A collider that is set anew wakes those around where it was and where it is. */
+/* A collider that leaves where it stood wakes all, if any sleeps there; one that comes wakes those
+ * around it. */
 static void a_changed_collider_wakes(void **state) {
   (void)state;
   uint32_t count = particles_in(3);
@@ -302,16 +303,140 @@ static void a_changed_collider_wakes(void **state) {
   assert_int_equal(asleep_in(s), count);
   ball.position[0] = ball.position[1] = ball.position[2] = 0.9;
   assert_ok(pbf_set_colliders(s, 1, &ball));
-  uint32_t asleep = asleep_in(s);
-  assert_true(asleep < count && asleep > count / 2);
+  assert_int_equal(asleep_in(s), 0);
   until_asleep(s, count);
   ball.position[0] = ball.position[1] = ball.position[2] = 0.1;
   assert_ok(pbf_set_colliders(s, 1, &ball));
-  assert_true(asleep_in(s) < count);
+  uint32_t asleep = asleep_in(s);
+  assert_true(asleep < count && asleep > count / 2);
+  ball.position[1] = 0.12;
+  assert_ok(pbf_set_colliders(s, 1, &ball)); /* none sleeps there any more */
+  asleep = asleep_in(s);
+  assert_true(asleep < count && asleep > count / 2);
   until_asleep(s, count);
   assert_ok(pbf_set_colliders(s, 0, NULL));
-  assert_true(asleep_in(s) < count);
+  assert_int_equal(asleep_in(s), 0);
   pbf_destroy(s);
+}
+
+/* ---- A gate and a stick -------------------------------------------------------------------- */
+
+enum { DAM_LONG = 12, DAM_HIGH = 16, DAM_WIDE = 4 };
+
+typedef enum gate { REMOVED, LIFTED, SET_ELSEWHERE } gate;
+
+static pbf_collider closed_gate(void) {
+  pbf_collider box;
+  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
+  box.position[0] = 0.05 * DAM_LONG + 0.05;
+  box.position[1] = 1;
+  box.half_extents[0] = 0.05;
+  box.half_extents[1] = box.half_extents[2] = 1.1;
+  return box;
+}
+
+static void open_gate(pbf_solver *s, gate how) {
+  pbf_collider box = closed_gate();
+  if (how == LIFTED) box.velocity[1] = 5;
+  if (how == SET_ELSEWHERE) box.position[1] = 4;
+  assert_ok(pbf_set_colliders(s, how == REMOVED ? 0 : 1, &box));
+}
+
+/* How far the water of a dam, asleep at first or not, has gone 0.5 s after its gate has. */
+static double gone(uint32_t dimension, double sleep_speed, gate how) {
+  const uint32_t count = DAM_LONG * DAM_HIGH * (dimension == 3 ? DAM_WIDE : 1);
+  pbf_params params = sleepy();
+  params.sleep_speed = sleep_speed;
+  params.domain_max[0] = 2.5;
+  params.domain_max[1] = 3;
+  params.domain_max[2] = 0.05 * DAM_WIDE;
+  pbf_desc desc = test_desc(dimension, PBF_FLOAT32, count);
+  pbf_solver *s = NULL;
+  float x[DAM_LONG * DAM_HIGH * DAM_WIDE * 3];
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t place[3] = {i / DAM_HIGH % DAM_LONG, i % DAM_HIGH, i / DAM_HIGH / DAM_LONG};
+    for (uint32_t k = 0; k < dimension; ++k)
+      x[i * dimension + k] = 0.025f + 0.05f * (float)place[k];
+  }
+  const pbf_collider box = closed_gate();
+  assert_ok(pbf_create(&desc, &params, &s));
+  assert_ok(pbf_set_colliders(s, 1, &box));
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  assert_ok(pbf_step(s, 240));
+  if (sleep_speed > 0) until_asleep(s, count);
+  const double at = stats_of(s).center_of_mass[0];
+  open_gate(s, how);
+  assert_ok(pbf_step(s, (uint32_t)(0.5 / params.time_step + 0.5)));
+  const double moved = stats_of(s).center_of_mass[0] - at;
+  pbf_destroy(s);
+  return moved;
+}
+
+/* What held the water is gone for all of it at once, not only for what is next to the gate. */
+static void check_dam(uint32_t dimension, gate how) {
+  const double asleep = gone(dimension, 0.08, how), awake = gone(dimension, 0, how);
+  print_message("%u dimensions, gate %d: %g m, awake %g m\n", dimension, (int)how, asleep, awake);
+  assert_true(awake > 0.1);
+  assert_true(fabs(asleep / awake - 1) < 0.15);
+}
+
+static void a_dam_that_slept_breaks(void **state) {
+  (void)state;
+  pbf_params params = sleepy();
+  pbf_destroy(solver_with(3, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
+  check_dam(3, REMOVED);
+  for (int how = REMOVED; how <= SET_ELSEWHERE && test_has_kind(2, PBF_FLOAT32); ++how)
+    check_dam(2, (gate)how);
+}
+
+/* A stick goes to and fro at one end of a long pool, with a velocity or by being set elsewhere in
+ * each step: the other end falls asleep all the same. */
+static void check_stick(uint32_t dimension, int with_velocity) {
+  enum { LONG = 60, WIDE = 2 };
+  const uint32_t count = LONG * HIGH * (dimension == 3 ? WIDE : 1);
+  pbf_params params = sleepy();
+  params.domain_max[0] = 0.05 * LONG;
+  params.domain_max[2] = 0.05 * WIDE;
+  pbf_desc desc = test_desc(dimension, PBF_FLOAT32, count);
+  pbf_solver *s = NULL;
+  float x[LONG * HIGH * WIDE * 3];
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t place[3] = {i / HIGH % LONG, i % HIGH, i / HIGH / LONG};
+    for (uint32_t k = 0; k < dimension; ++k)
+      x[i * dimension + k] = 0.025f + 0.05f * (float)place[k];
+  }
+  pbf_collider stick;
+  assert_ok(pbf_collider_init(&stick, sizeof stick, PBF_COLLIDER_SPHERE));
+  stick.radius = 0.05;
+  stick.position[0] = 0.2;
+  stick.position[1] = 0.15;
+  stick.position[2] = 0.05;
+  assert_ok(pbf_create(&desc, &params, &s));
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  assert_ok(pbf_set_colliders(s, 1, &stick));
+  until_asleep(s, count);
+  uint32_t asleep = 0;
+  for (int step = 0; step < 480; ++step) {
+    const double speed = 0.3 * cos(0.1 * step);
+    stick.velocity[0] = with_velocity ? speed : 0;
+    assert_ok(pbf_set_colliders(s, 1, &stick));
+    if (step == 1) assert_int_equal(asleep_in(s), 0); /* it has moved by now */
+    assert_ok(pbf_step(s, 1));
+    stick.position[0] += speed * params.time_step;
+    asleep = asleep_in(s);
+  }
+  print_message("%u of %u asleep\n", asleep, count);
+  assert_true(asleep > count / 4);
+  pbf_destroy(s);
+}
+
+static void stirred_at_one_end_the_other_sleeps(void **state) {
+  (void)state;
+  pbf_params params = sleepy();
+  pbf_destroy(solver_with(3, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
+  const uint32_t dimension = test_has_kind(2, PBF_FLOAT32) ? 2 : 3;
+  check_stick(dimension, 1);
+  check_stick(dimension, 0);
 }
 
 /* max(rho/rho0 - 1, 0) of all, and the mean of their pressures. */
@@ -437,14 +562,23 @@ static void a_forged_state(void **state) {
 
 int main(void) {
   const struct CMUnitTest sleep[] = {
-      cmocka_unit_test(fluid_at_rest_sleeps),     cmocka_unit_test(without_a_speed_nothing_sleeps),
-      cmocka_unit_test(changed_parameters_wake),  cmocka_unit_test(waking_is_no_push),
-      cmocka_unit_test(an_impact_wakes),          cmocka_unit_test(removing_and_setting_wake),
-      cmocka_unit_test(a_moving_collider_wakes),  cmocka_unit_test(a_moving_wall_wakes),
-      cmocka_unit_test(a_changed_collider_wakes), cmocka_unit_test(sleep_is_saved),
-      cmocka_unit_test(a_forged_state),           cmocka_unit_test(rest_within_a_tolerance),
-      cmocka_unit_test(what_flows_stays_awake),   cmocka_unit_test(sleep_is_not_denser),
+      cmocka_unit_test(fluid_at_rest_sleeps),
+      cmocka_unit_test(without_a_speed_nothing_sleeps),
+      cmocka_unit_test(changed_parameters_wake),
+      cmocka_unit_test(waking_is_no_push),
+      cmocka_unit_test(an_impact_wakes),
+      cmocka_unit_test(removing_and_setting_wake),
+      cmocka_unit_test(a_moving_collider_wakes),
+      cmocka_unit_test(a_moving_wall_wakes),
+      cmocka_unit_test(a_changed_collider_wakes),
+      cmocka_unit_test(sleep_is_saved),
+      cmocka_unit_test(a_forged_state),
+      cmocka_unit_test(rest_within_a_tolerance),
+      cmocka_unit_test(what_flows_stays_awake),
+      cmocka_unit_test(sleep_is_not_denser),
       cmocka_unit_test(nor_within_a_tolerance),
+      cmocka_unit_test(a_dam_that_slept_breaks),
+      cmocka_unit_test(stirred_at_one_end_the_other_sleeps),
   };
   return TEST_RUN(sleep);
 }

@@ -22,6 +22,7 @@ typedef struct scene {
   pbf_params params;
   int comes_and_goes;            /* particles, between steps */
   void (*set_up)(pbf_solver *s); /* before there are particles; null: no */
+  void (*change)(pbf_solver *s); /* between steps; null: nothing */
   uint32_t phases;               /* particles are of by turns, once they are set; 0: none */
   uint64_t hash;
   pbf_stats stats;
@@ -134,6 +135,7 @@ static void run_scene(const scene *c, pbf_solver *s) {
     EXPECT_OK(pbf_set_velocities(s, 1700, 1, v));
     free(v);
   }
+  if (c->change) c->change(s);
   EXPECT_OK(pbf_step(s, STEPS - STEPS / 2));
 }
 
@@ -368,9 +370,43 @@ static void check_sleep(uint32_t dimension, uint32_t precision) {
   assert_in_range(c.stats.asleep, COUNT / 10, COUNT - 1);
 }
 
+/* A plate that stands among sleepers of some ranks leaves, and those of all wake. */
+static void set_standing_plate(pbf_solver *s) {
+  pbf_collider plate;
+  EXPECT_OK(pbf_collider_init(&plate, sizeof plate, PBF_COLLIDER_BOX));
+  for (int k = 0; k < 3; ++k) plate.position[k] = 0.35, plate.half_extents[k] = 0.012;
+  EXPECT_OK(pbf_set_colliders(s, 1, &plate));
+}
+
+static void remove_plate(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep == COUNT);
+  EXPECT_OK(pbf_set_colliders(s, 0, NULL));
+}
+
+static void remove_plate_and_look(pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  remove_plate(s);
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep == 0);
+}
+
+static void check_left_sleepers(uint32_t dimension, uint32_t precision) {
+  scene c = scene_of(dimension, precision);
+  c.params.sleep_speed = 100;
+  c.params.sleep_time = 0.01;
+  c.set_up = set_standing_plate;
+  c.change = remove_plate;
+  check("a plate leaves sleepers", &c);
+  c.change = remove_plate_and_look;
+  check("a plate leaves sleepers, which are counted", &c);
+}
+
 static void so_is_sleep(void **state) {
   (void)state;
   test_for_each_kind(check_sleep);
+  test_for_each_kind(check_left_sleepers);
 }
 
 static void so_are_pressure_grids(void **state) {

@@ -189,10 +189,42 @@ static void check_deep_sleep(uint32_t dimension, uint32_t precision) {
   scene_check("all asleep but near a ball", &c);
 }
 
+/* A box that stands in the middle of what sleeps, and is then removed. */
+static void set_box(const scene *c, pbf_solver *s) {
+  pbf_collider box;
+  (void)c;
+  EXPECT_OK(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
+  for (int k = 0; k < 3; ++k) box.position[k] = 0.3, box.half_extents[k] = 0.02;
+  EXPECT_OK(pbf_set_colliders(s, 1, &box));
+}
+
+static void remove_box(const scene *c, pbf_solver *s) {
+  pbf_stats stats = {.struct_size = sizeof stats};
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep == c->count);
+  EXPECT_OK(pbf_set_colliders(s, 0, NULL));
+  if (c->asks) return; /* nor need what is asked come between */
+  EXPECT_OK(pbf_get_stats(s, &stats));
+  EXPECT(stats.asleep == 0);
+}
+
+/* A collider that leaves the sleepers of one rank wakes those of all. */
+static void check_left_sleepers(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.params.sleep_speed = 100;
+  c.params.sleep_time = 0.01;
+  c.set_up = set_box;
+  c.change = remove_box;
+  scene_check("a box leaves sleepers", &c);
+  c.asks = 1;
+  scene_check("a box leaves sleepers, and steps follow", &c);
+}
+
 static void so_is_sleep(void **state) {
   (void)state;
   test_for_long_kinds(check_sleep);
   test_for_long_kinds(check_deep_sleep);
+  test_for_long_kinds(check_left_sleepers);
 }
 
 /* ---- Periodic axes ------------------------------------------------------------------------- */

@@ -238,6 +238,34 @@ static inline pbf_moving_obstacles pbf_changed_surfaces(uint32_t count, const pb
   return m;
 }
 
+/* Of the colliders `now`: those that stood still, not being in `moving`, and do not stay as they
+ * are in `next`. */
+static inline pbf_moving_obstacles pbf_departing_surfaces(uint32_t count, const pbf_collider *now,
+                                                          uint32_t next_count,
+                                                          const pbf_collider *next,
+                                                          const pbf_moving_obstacles &moving,
+                                                          uint64_t *room) {
+  pbf_moving_obstacles m = {0, 0, 0, room};
+  find_set(count, room, &m, [&](uint32_t k) {
+    return !pbf_set_has(moving.surfaces, moving.more, (int)k) &&
+           (k >= next_count || memcmp(&now[k], &next[k], sizeof *now) != 0);
+  });
+  return m;
+}
+
+/* Of `count` colliders that have changed: those that now stand still. */
+static inline pbf_moving_obstacles pbf_arriving_surfaces(uint32_t count,
+                                                         const pbf_moving_obstacles &changed,
+                                                         const pbf_moving_obstacles &moving,
+                                                         uint64_t *room) {
+  pbf_moving_obstacles m = {0, 0, 0, room};
+  find_set(count, room, &m, [&](uint32_t k) {
+    return pbf_set_has(changed.surfaces, changed.more, (int)k) &&
+           !pbf_set_has(moving.surfaces, moving.more, (int)k);
+  });
+  return m;
+}
+
 namespace {
 
 /* Whether one of them is within `reach` of x. */
