@@ -15,14 +15,6 @@ struct lookups {
   const pbf_real *second = NULL; /* number */
 };
 
-/* How many neighbours a list has for each lane. */
-PBF_FN u32_lanes neighbors_listed(const uint8_t *list, const uint8_t *end) {
-  u32_lanes count = u32_set(0);
-  for (; list < end; list += WIDTH)
-    count = count + (u32_set(1) & ~u32_below(u32_of_bytes(list), 1));
-  return count;
-}
-
 /* From a group's places to those of the image from which a block's windows are there. */
 PBF_FN lane_vector<lane> add_image(lane_vector<lane> x, const pair_pass *p, const block *b) {
   const pbf_vec *at = &p->images[b->image];
@@ -46,11 +38,11 @@ PBF_FN const Own &own_of_image(const Own &own, const pair_pass *, const block *,
 enum pair_loop { FOR_SPEED, FOR_SIZE };
 
 /* A loop whose next round's distances are begun before the present one's terms: their latency is
- * the longest. Counts the neighbours, too, unless null. */
+ * the longest. */
 template <pair_loop LOOP = FOR_SPEED, class Pass>
 PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
                           const typename Pass::template own<lane> &own, uint32_t g,
-                          typename Pass::template sums<lane> *sums, u32_lanes *neighbors = NULL) {
+                          typename Pass::template sums<lane> *sums) {
   uint8_t space[MAX_ROUNDS * WIDTH];
   for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
     const block *b = current_block(&w);
@@ -61,7 +53,6 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
     vector_table vectors;
     if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL);
     const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
-    if (neighbors) *neighbors = *neighbors + neighbors_listed(list, end);
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
       neighbor_of<lane> j;
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = now.x_ij.c[k];
@@ -87,9 +78,9 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
 template <pair_loop LOOP = FOR_SPEED, class Pass>
 PBF_FN typename Pass::template sums<lane> sums_of_group(
     const Pass &pass, const pair_pass *p, const lookups &of,
-    const typename Pass::template own<lane> &own, uint32_t g, u32_lanes *neighbors = NULL) {
+    const typename Pass::template own<lane> &own, uint32_t g) {
   auto sums = pass.template begin<lane>();
-  add_neighbors<LOOP>(pass, p, of, own, g, &sums, neighbors);
+  add_neighbors<LOOP>(pass, p, of, own, g, &sums);
   pass.end(&sums);
   return sums;
 }

@@ -89,12 +89,13 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
     if (b->image) x = add_image(x, p, b);
     const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
     const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
-    for (; list < end; list += WIDTH) {
-      const pair_lanes pair = pairs_listed(b, list, x, &around);
+    for (pair_lanes next = pairs_listed(b, list, x, &around); list < end;) {
+      const pair_lanes pair = next;
       neighbor_of<lane> j;
       for (int k = 0; k < PBF_DIM; ++k) j.x_ij.c[k] = pair.x_ij.c[k];
       j.r2 = pair.r2;
       if (Pass::NUMBER) j.number = number_of(&around, &pair);
+      if ((list += WIDTH) < end) next = pairs_listed(b, list, x, &around);
       pass.pair(&sums, own, j);
       add_ghosts(pass, m, own, j, &ghosts);
     }

@@ -194,16 +194,27 @@ static lane density_by_walls(const pair_pass *p, int features, uint32_t g) {
   return sums.density;
 }
 
+/* How many neighbours each particle of a group has. */
+static u32_lanes count_neighbors(const pair_pass *p, uint32_t g) {
+  uint8_t space[MAX_ROUNDS * WIDTH];
+  u32_lanes count = u32_set(0);
+  for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
+    const uint32_t rounds = current_block(&w)->rounds;
+    const uint8_t *list = next_list(&w, space), *end = list + rounds * WIDTH;
+    for (; list < end; list += WIDTH)
+      count = count + (u32_set(1) & ~u32_below(u32_of_bytes(list), 1));
+  }
+  return count;
+}
+
 static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors, uint32_t first,
                     uint32_t last) {
   const pbf_constants c = *p->constants;
   const density_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g) {
-    u32_lanes count = u32_set(0);
-    lane density = sums_of_group(pass, p, {}, {}, g, neighbors ? &count : NULL).density;
-    if (has_ghosts(p)) density = density_by_walls(p, pass.features, g);
-    lane_store(densities + g * WIDTH, density);
-    if (neighbors) u32_store(neighbors + g * WIDTH, count);
+    lane_store(densities + g * WIDTH, has_ghosts(p) ? density_by_walls(p, pass.features, g)
+                                                    : sums_of_group(pass, p, {}, {}, g).density);
+    if (neighbors) u32_store(neighbors + g * WIDTH, count_neighbors(p, g));
     if (contributing_obstacles(p) && group_near_obstacles(p, g)) {
       const lane_boundary boundary = group_boundary(p, g, NULL);
       for (uint32_t l = 0; l < WIDTH; ++l) densities[g * WIDTH + l] += boundary.density[l];
