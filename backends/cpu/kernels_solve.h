@@ -150,21 +150,28 @@ PBF_FN void lambda_groups(Features features, const pair_pass *p, pbf_real *lambd
 }
 
 /* Of a group from its sums where phases differ: what particles are moved by is found and bounded.
- */
-static __attribute__((noinline)) void mobile_lambda_group(
-    const mobile_lambda_pass<int, SCALED_SUMS> &pass, const pair_pass *p,
-    const mobile_lambda_sums<lane> &sums, pbf_real *lambda, pbf_real *added, uint32_t g) {
-  const pbf_constants c = *pass.c;
-  const lane_sums<mobile_lambda_sums> each(sums);
+ * Loops of one thing each, from constants that nothing else can change: the compiler makes vectors
+ * of these alone. */
+static __attribute__((noinline)) void mobile_lambda_group(int features, const pair_pass *p,
+                                                          const mobile_lambda_sums<lane> &sums,
+                                                          pbf_real *lambda, pbf_real *added,
+                                                          uint32_t g) {
+  const pbf_constants c = *p->constants;
+  const lane_sums<lambda_sums> each(sums.lambda);
   alignas(64) pbf_real densities[WIDTH], found[WIDTH], mobility[WIDTH];
+  alignas(64) pbf_real slope2[WIDTH], mobile[WIDTH];
   lane_store(densities, sums.lambda.density);
+  lane_store(slope2, sums.slope2);
+  lane_store(mobile, sums.mobile);
   for (uint32_t l = 0; l < WIDTH; ++l) mobility[l] = 1; /* lanes without a particle */
   memcpy(mobility, p->mobility + g * WIDTH, lanes_in_group(&p->lists, g) * sizeof *mobility);
   const pbf_real *residual_density = p->residual_density ? p->residual_density + g * WIDTH : NULL;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    found[l] = pass.of_lambda().finish(each[l].lambda, residual_density ? residual_density[l] : 0);
-    mobility[l] = pass.mobility(each[l], mobility[l]);
-  }
+  const lambda_pass<int, SCALED_SUMS> of_lambda = {&c, features};
+  const mobility_pass<int> of_mobility = {&c, features};
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    found[l] = of_lambda.finish(each[l], residual_density ? residual_density[l] : 0);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    mobility[l] = of_mobility.finish({0, slope2[l], mobile[l]}, mobility[l]);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && c.accelerated)
     for (uint32_t l = 0; l < WIDTH; ++l)
       pbf_accelerate_for(&c, mobility[l], densities[l], found[l], &lambda[l], &added[l]);
@@ -188,7 +195,7 @@ static __attribute__((noinline)) void lambda_of_phases(const pair_pass *p, pbf_r
       sums = sums_of_group(pass, p, of, {lane_load(p->mobility + g * WIDTH)}, g);
     add_boundary_to(p, g, &sums.lambda);
     if (asked_excess(p)) *p->error_units += error_units_of(p, &sums.lambda.density, g);
-    mobile_lambda_group(pass, p, sums, lambda + g * WIDTH, added + g * WIDTH, g);
+    mobile_lambda_group(pass.features, p, sums, lambda + g * WIDTH, added + g * WIDTH, g);
     bound_overlap(p, &sums.lambda.density, g);
     if (smooths(p)) smooth_group(p, lambda, added, g);
   }

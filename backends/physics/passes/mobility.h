@@ -86,11 +86,6 @@ struct mobile_lambda_pass {
   PBF_IN void end(sums<L> *s) const {
     of_lambda().end(&s->lambda);
   }
-
-  PBF_IN pbf_real mobility(const sums<pbf_real> &s, pbf_real alone) const {
-    const mobility_pass<Features> pass = {c, features};
-    return pass.finish({0, s.slope2, s.mobile}, alone);
-  }
 };
 
 }  // namespace
