@@ -284,6 +284,7 @@ static void make_another(input *in, kind k) {
   desc.threads = take_u8(in) % 4;
   desc.device = take_u8(in) > 0xe0;
   if (take_u8(in) > 0xe0) desc.enqueue_task = twins_enqueue;
+  desc.determinism = take_u8(in) % 4; /* two of them are none */
   pbf_status status = pbf_create(&desc, NULL, &solver);
   insist((status == PBF_OK) == (solver != NULL) && (status == PBF_OK || pbf_last_error()[0]));
   pbf_destroy(solver);
@@ -424,7 +425,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   input in = {data, size, 0};
   uint32_t count;
   const uint8_t kinds = take_u8(&in);
-  twins t = twins_make(kind_of(kinds), kinds >> 2 & 1);
+  const uint32_t determinism =
+      kinds >> 3 & 1 ? PBF_DETERMINISM_PER_MACHINE : PBF_DETERMINISM_ACROSS_MACHINES;
+  twins t = twins_make(kind_of(kinds), kinds >> 2 & 1, determinism);
   if (take_u8(&in) % 8) forgo_prestabilization(&t);
   for (int calls = 0; calls < MOST_CALLS && !t.lost && !input_ended(&in); ++calls) call(&in, &t);
   twins_destroy(&t);

@@ -17,26 +17,28 @@ void *twins_enqueue(void *user, pbf_task_fn run, void *task, uint32_t items, uin
 /* Nothing is left to do. */
 static void finish(void *user, void *handle) { (void)user, (void)handle; }
 
-static pbf_solver *make_tasked(kind k) {
+/* The one that is held against the oracle. */
+static pbf_solver *make_other(kind k, int tasked, uint32_t determinism) {
   pbf_desc desc;
   pbf_solver *solver = NULL;
   insist(pbf_desc_init(&desc, sizeof desc) == PBF_OK);
   desc.dimension = k.dimension;
   desc.precision = k.precision;
   desc.capacity = TWIN_CAPACITY;
-  desc.backend = "threads";
+  desc.backend = tasked ? "threads" : names[1];
   desc.strict = 1;
-  desc.threads = 3;
-  desc.enqueue_task = twins_enqueue;
-  desc.finish_task = finish;
+  desc.threads = tasked ? 3 : 1;
+  desc.enqueue_task = tasked ? twins_enqueue : NULL;
+  desc.finish_task = tasked ? finish : NULL;
+  desc.determinism = determinism;
   insist(pbf_create(&desc, NULL, &solver) == PBF_OK);
   return solver;
 }
 
-twins twins_make(kind k, int tasked) {
+twins twins_make(kind k, int tasked, uint32_t determinism) {
   twins t = {.k = k};
   t.solver[0] = make_solver(names[0], k, TWIN_CAPACITY);
-  t.solver[1] = tasked && FUZZ_THREADS ? make_tasked(k) : make_solver(names[1], k, TWIN_CAPACITY);
+  t.solver[1] = make_other(k, tasked && FUZZ_THREADS, determinism);
   return t;
 }
 

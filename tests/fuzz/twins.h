@@ -1,6 +1,7 @@
 /* The same calls on two backends, `reference` being the oracle of `serial`, or of `threads` on a
- * task system where the build has it: the same statuses and sentences, the same books, and after
- * each step positions within a stated distance. */
+ * task system where the build has it, with either determinism: the same statuses and sentences, the
+ * same books, and after each step positions within a stated distance. Bits of the two are never
+ * compared. */
 #ifndef PBF_TESTS_FUZZ_TWINS_H
 #define PBF_TESTS_FUZZ_TWINS_H
 
@@ -17,7 +18,7 @@ typedef struct twins {
   int lost;                  /* and have led to what is no number: the two need not agree on more */
 } twins;
 
-twins twins_make(kind k, int tasked);
+twins twins_make(kind k, int tasked, uint32_t determinism);
 void twins_destroy(twins *t);
 
 /* A call of the API on one of them, with what it needs. */
