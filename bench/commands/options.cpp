@@ -56,6 +56,11 @@ void add_device_option(CLI::App &command, int32_t &device) {
       ->capture_default_str();
 }
 
+void add_determinism_option(CLI::App &command, bool &is_per_machine) {
+  command.add_flag("--per-machine", is_per_machine,
+                   "bits of this machine's own, which is faster on CPUs with fused multiply-add");
+}
+
 void add_worlds_options(CLI::App &command, WorldsOptions &options, const std::string &worlds) {
   command.add_option("--worlds", options.worlds, worlds)
       ->type_name("N")

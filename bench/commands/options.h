@@ -17,6 +17,7 @@ CLI::Validator positive();
 void add_scene_options(CLI::App &command, SceneOptions &options);
 void add_precision_option(CLI::App &command, uint32_t &precision);
 void add_device_option(CLI::App &command, int32_t &device);
+void add_determinism_option(CLI::App &command, bool &is_per_machine);
 // `worlds` describes the option of that name.
 void add_worlds_options(CLI::App &command, WorldsOptions &options, const std::string &worlds);
 void add_portrait_options(CLI::App &command, Portrait &portrait);

@@ -107,6 +107,12 @@ struct Destroy {
 };
 using Handle = std::unique_ptr<pbf_solver, Destroy>;
 
+// A solver with bits of its machine's own says so in the name of its device, where they differ.
+bool has_bits_of_machine(const Recording &recording) {
+  const std::string end = "-fused)", &name = recording.device;
+  return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+}
+
 Handle solver_for(const Recording &recording, const ReplayOptions &options) {
   pbf_desc desc;
   must(pbf_desc_init(&desc, sizeof desc));
@@ -116,6 +122,8 @@ Handle solver_for(const Recording &recording, const ReplayOptions &options) {
   const std::string backend = options.backend.empty() ? recording.backend : options.backend;
   desc.backend = backend.c_str();
   desc.threads = options.threads;
+  desc.determinism = has_bits_of_machine(recording) ? PBF_DETERMINISM_PER_MACHINE
+                                                    : PBF_DETERMINISM_ACROSS_MACHINES;
   desc.strict = 1;
   pbf_solver *solver = nullptr;
   if (pbf_create(&desc, nullptr, &solver) != PBF_OK)
@@ -207,6 +215,7 @@ std::pair<CLI::App *, Command> add_record(CLI::App &app) {
   command->add_option("--threads", options->solver.threads, "CPU threads (0: all)")->type_name("N");
   add_precision_option(*command, options->solver.precision);
   add_device_option(*command, options->solver.device);
+  add_determinism_option(*command, options->solver.is_per_machine);
   command
       ->add_option("--at", options->changes,
                    "changes a parameter before that step, as --at 120:gravity.1=3; again and again")

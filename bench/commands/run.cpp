@@ -164,8 +164,7 @@ std::pair<CLI::App *, Command> add_run(CLI::App &app) {
       ->capture_default_str();
   add_precision_option(*command, options->solver.precision);
   add_device_option(*command, options->solver.device);
-  command->add_flag("--per-machine", options->solver.is_per_machine,
-                    "bits of this machine's own, which is faster on CPUs with fused multiply-add");
+  add_determinism_option(*command, options->solver.is_per_machine);
   command->add_option("--csv", options->csv, "one row a step into this file (-: standard output)")
       ->type_name("F");
   command

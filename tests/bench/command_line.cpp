@@ -117,6 +117,27 @@ void a_recording_runs_again_and_says_where_another_run_parts(void **) {
   assert_int_equal(at.exit_code, 2);
 }
 
+// Taken for one with bits of all machines, it parts.
+void a_recording_with_bits_of_its_machine_has_them_again(void **) {
+  const std::string folder = work_folder("recording_of_machine"), end = "-fused)";
+  skip_unless_available(folder, "serial");
+  const Outcome recorded = run_program(
+      folder, std::string("record --backend serial --per-machine --steps 20 --every 2 --to "
+                          "run.record --scene moving-paddle --particles 300"));
+  assert_string_equal(recorded.err.c_str(), "");
+  const Outcome again = run_program(folder, "replay run.record");
+  expect_contains(again.out, "the same: 10 hashes, up to step 20");
+  assert_int_equal(again.exit_code, 0);
+
+  std::string text = read_text(folder + "/run.record");
+  const size_t at = text.find(end + "\n");
+  if (at == std::string::npos) return;  // nothing is fused here
+  std::ofstream(folder + "/other.record") << text.replace(at, end.size(), ")");
+  const Outcome other = run_program(folder, "replay other.record");
+  expect_contains(other.out, "the runs part");
+  assert_int_equal(other.exit_code, 1);
+}
+
 // A paddle of four points that turns back after 5 of 20 steps, under a tap, above a drain, in oil.
 const char *const mill =
     R"({"version": 1, "description": "a", "purpose": "b", "dimension": 2, "steps": 20, "params": {},
@@ -431,6 +452,7 @@ int main() {
       cmocka_unit_test(a_file_is_replaced_where_it_is),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
       cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
+      cmocka_unit_test(a_recording_with_bits_of_its_machine_has_them_again),
       cmocka_unit_test(a_recording_has_the_shapes_of_its_scene),
       cmocka_unit_test(a_run_writes_its_trace_and_dumps),
       cmocka_unit_test(a_dump_takes_the_place_of_another),
