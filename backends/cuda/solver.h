@@ -9,6 +9,7 @@
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
 #include "cuda/kernels.h"
+#include "cuda/overlap.h"
 #include "cuda/many.h"
 #include "cuda/ranks.h"
 #include "cuda/scan.h"
