@@ -175,7 +175,8 @@ static pbf_params params_of_crowd(uint32_t dimension) {
   pbf_params params = load_params(dimension, domain);
   params.viscosity = 0.01;
   params.wall_no_slip = 1;
-  params.max_substeps = 4;
+  params.max_substeps =
+      0; /* steps that change go by the depth, and that by the room all solids leave */
   params.damping_compensation = 1;
   return params;
 }
