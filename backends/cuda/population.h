@@ -91,7 +91,7 @@ static inline pbf_status wake_all_if_near(solver *s, pbf_moving_obstacles depart
   return status;
 }
 
-/* On ranks: before what all do that must know who sleeps. */
+/* On ranks: before what all ranks do that goes by which particles sleep. */
 static inline pbf_status wake_ranks(solver *s) {
   if (!PBF_SLEEP || !has_ranks(s) || !s->activity) return PBF_OK;
   const bool any = !on_all_ranks(s, !s->ranks.wakes);

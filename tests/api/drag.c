@@ -81,8 +81,8 @@ static void what_falls_ends_at_a_speed(void **state) {
 enum { WIDE = 40, DEEP = 24 };
 static const double d = 0.05, pull = 9.81, tilt = 0.12; /* tilt: drag times velocity over gravity */
 
-/* A tank whose walls move along at `speed`, as its fluid does, in a wind that is as much faster as
- * makes the tilt. */
+/* A tank with walls that move along at `speed`, as its fluid does, in a wind that is as much faster
+ * as makes the tilt. */
 static pbf_solver *windy_tank(const char *backend, uint32_t dimension, uint32_t precision,
                               double speed) {
   const double size[3] = {WIDE * d, 2 * DEEP * d, 4 * d};
