@@ -11,11 +11,11 @@
 typedef struct heap {
   uint32_t actor;
   atomic_int_least64_t bytes, blocks;
-  uint64_t most;           /* bytes that may be out */
-  atomic_int failing_in;   /* the call that gets nothing, counted down; 0: none */
-  atomic_int leaving_in;   /* the call that `jump` leaves, in `thread` alone */
-  atomic_int failed, left; /* so many have */
-  pthread_t thread;
+  uint64_t most;            /* bytes that may be out */
+  atomic_int failing_in;    /* the call that gets nothing, counted down; 0: none */
+  atomic_int leaving_in;    /* the call that `jump` leaves, in `thread` alone */
+  atomic_int failed, left;  /* so many have */
+  _Atomic pthread_t thread; /* that of the call; other threads allocate meanwhile */
   jmp_buf jump;
 } heap;
 
