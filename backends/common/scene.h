@@ -22,6 +22,7 @@
 #include "common/without.h"
 #include "physics/left_under_all.h"
 #include "physics/loads.h"
+#include "physics/passes/overlap.h"
 #include "physics/project.h"
 #include "physics/schedule.h"
 #include "physics/sleep.h"
@@ -217,6 +218,7 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
   s->overlaps = overlap != NULL;
   if (!overlap) return PBF_OK;
   s->found = *overlap;
+  s->entering = pbf_entering_of(overlap);
   const uint32_t words = pbf_words_of(s->collider_count);
   if (words <= 1) return PBF_OK;
   memset(s->table.placed, 0, (words - 1) * sizeof *s->table.placed);

@@ -192,9 +192,8 @@ static int find_neighbors(worker *w, completion_function last) {
 
 /* Densities of a task's particles at the places x between these obstacles, of those in groups
  * where a particle solves. */
-static void find_densities(const worker *w, uint32_t task, const pbf_obstacles *obstacles, field x,
+static void find_densities(const worker *w, range groups, const pbf_obstacles *obstacles, field x,
                            const pbf_real *quads, pbf_real *densities) {
-  range groups = task_groups(w, task);
   pair_pass pairs = pairs_at(w, x, quads);
   if (pairs.contributing) pairs.contributing = obstacles;
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;

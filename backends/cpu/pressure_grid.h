@@ -31,7 +31,7 @@ static void deposit_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range all = task_sorted(w, task);
-  find_densities(w, task, &w->obstacles, w->b.sorted_predicted, packed_positions(s),
+  find_densities(w, task_groups(w, task), &w->obstacles, w->b.sorted_predicted, packed_positions(s),
                  grid_densities(s));
   for (range r = inactive_particles(w, all.first, all.last); r.first < r.last;
        r = inactive_particles(w, r.last, all.last))

@@ -56,7 +56,8 @@ static void residual_density_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   solver *s = w->s;
   range r = task_sorted(w, task);
-  find_densities(w, task, &w->before, w->b.step_start(), packed_vectors(s), s->residual_density);
+  find_densities(w, task_groups(w, task), &w->before, w->b.step_start(), packed_vectors(s),
+                 s->residual_density);
   s->kernels->residual_density(&w->constants, s->residual_density, r.first, r.last);
   add_overlap(w, r);
 }
@@ -79,32 +80,49 @@ static void placed_task(void *context, uint32_t task) {
   s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
                         w->b.step_start(), r.first, r.last);
   for (uint32_t i = r.first; i < r.last; ++i)
-    placed[i] = pbf_is_placed(s->found, w->b.sorted_ids[i]);
+    placed[i] = pbf_placed_part(s->found, s->entering, w->b.sorted_ids[i], w->b.sorted_overlap[i]);
   fill_packed(s, packed_vectors(s), &w->b.step_start(), placed, r);
 }
 
-static pbf_real placed_density_of_solids(const worker *w, pbf_vec x) {
+static pbf_real placed_density_of_solids(const worker *w, uint32_t i, pbf_vec x) {
   const pbf_constants *c = &w->constants;
   return placed_boundary(c, pbf_obstacles_near(w->before, x, c->h), w->s->found, w->s->table.placed,
-                         x, 0);
+                         x, 0, pbf_enters(w->s->entering, w->b.sorted_ids[i]));
 }
 
-static void overlap_task(void *context, uint32_t task) {
-  worker *w = static_cast<worker *>(context);
-  solver *s = w->s;
-  const range groups = task_groups(w, task), r = task_sorted(w, task);
+static void find_overlap_of(const worker *w, range groups) {
+  const solver *s = w->s;
   const field start = w->b.step_start();
+  const range r = particles_of(w, groups);
   pbf_real *density = s->added, *placed = w->b.placed_density();
-  find_densities(w, task, &w->before, start, packed_vectors(s), density);
+  find_densities(w, groups, &w->before, start, packed_vectors(s), density);
   const pair_pass pairs = pairs_at(w, start, packed_vectors(s));
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
     s->kernels->placed_density(&pairs, w->b.is_placed(), placed, g.first, g.last);
   for (uint32_t i = r.first; i < r.last; ++i) {
     if (pairs.activity && pbf_is_inactive(pairs.activity[i])) continue;
-    if (pairs.contributing) placed[i] += placed_density_of_solids(w, field_at(&start, i));
-    w->b.sorted_overlap[i] = pbf_overlap_found(&w->constants, s->found, w->b.sorted_ids[i],
-                                               density[i], placed[i], w->b.sorted_overlap[i]);
+    if (pairs.contributing) placed[i] += placed_density_of_solids(w, i, field_at(&start, i));
+    w->b.sorted_overlap[i] =
+        pbf_overlap_found(&w->constants, s->found, s->entering, w->b.sorted_ids[i], density[i],
+                          placed[i], w->b.sorted_overlap[i]);
+  }
+}
+
+static bool reaches_group(const worker *w, uint32_t g) {
+  const range r = particles_of(w, {g, g + 1});
+  const field start = w->b.step_start();
+  for (uint32_t i = r.first; i < r.last; ++i)
+    if (pbf_overlap_reaches(w->s->entering, field_at(&start, i))) return true;
+  return false;
+}
+
+static void overlap_task(void *context, uint32_t task) {
+  const worker *w = static_cast<const worker *>(context);
+  const range groups = task_groups(w, task);
+  for (uint32_t first = groups.first, last; first < groups.last; first = last + 1) {
+    for (last = first; last < groups.last && reaches_group(w, last);) ++last;
+    if (last > first) find_overlap_of(w, {first, last});
   }
 }
 

@@ -143,6 +143,7 @@ struct pbf_backend_solver {
   pbf_real pressure_scale;        /* of the last step */
 
   pbf_overlap found;      /* for the next step; struct_size 0: none */
+  pbf_entering entering;  /* what of it enters */
   int overlaps;           /* some may be left */
   pbf_phase_table phases; /* that differ; count 0: none do */
 

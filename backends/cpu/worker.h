@@ -128,12 +128,15 @@ static inline range task_groups(const worker *w, uint32_t task) {
 }
 
 /* The particles in these groups. */
-static inline range task_sorted(const worker *w, uint32_t task) {
+static inline range particles_of(const worker *w, range r) {
   uint32_t width = w->s->kernels->width;
-  range r = task_groups(w, task);
   const uint64_t first = (uint64_t)r.first * width, last = (uint64_t)r.last * width;
   const uint32_t end = own_places(w->s).last;
   return (range){first < end ? (uint32_t)first : end, last < end ? (uint32_t)last : end};
+}
+
+static inline range task_sorted(const worker *w, uint32_t task) {
+  return particles_of(w, task_groups(w, task));
 }
 
 /* The same, and with the first and the last of them what others' particles are held before and

@@ -126,6 +126,7 @@ static pbf_status set_overlap(pbf_backend_solver *handle, const pbf_overlap *ove
   if (status != PBF_OK) s->overlaps = before;
   if (status != PBF_OK || !overlap) return status;
   s->found = *overlap;
+  s->entering = pbf_entering_of(overlap);
   return upload_placed(s);
 }
 

@@ -176,10 +176,10 @@ struct executor : launcher {
     const pbf_domain before =
         pbf_domain_at(&s->params, time - s->params.time_step, s->schedule.close_phases);
     const pbf_real time_step = (pbf_real)s->params.time_step;
-    const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0, nullptr, 0, 0, 0, 0};
+    const pbf_overlap none = {sizeof none, 0, 1, 0, 0, 0, nullptr, 0, 0, 0, 0, nullptr};
     pbf_real *ghosts_at_start = ghosts_between(s, before) ? s->overlap : nullptr;
     run(PBF_STAGE_OVERLAP, [&] {
-      launch_held(mark_placed_kernel, s->found);
+      launch_held(mark_placed_kernel, s->found, s->entering);
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;
         typedef density_pass<fixed<F>> pass;
@@ -190,10 +190,10 @@ struct executor : launcher {
               at_start{time_step}, n.particles.velocities);
         with_lists(s, [&](auto listed) {
           launch(overlap_kernel<F, decltype(listed)::value>, n, extras, before, time_step,
-                 ghosts_at_start, s->found);
+                 ghosts_at_start, s->found, s->entering);
         });
       });
-      launch_held(mark_placed_kernel, none);
+      launch_held(mark_placed_kernel, none, pbf_entering_of(&none));
     });
   }
 

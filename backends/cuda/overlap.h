@@ -4,16 +4,22 @@
 
 #include "cuda/kernels.h"
 
-/* In place of lambda, before the solve, of what has been placed. */
+/* In place of lambda, before the solve, of what has been placed: this, and the part of it. */
 constexpr pbf_real PBF_PLACED_MARK = 2;
 
-/* Marks what `found` says has been placed; with nothing placed it takes the marks away. Sleepers
- * keep their lambda. */
+static __device__ __forceinline__ pbf_real placed_part_of(const point &p) {
+  return p.lambda > PBF_PLACED_MARK && p.lambda <= PBF_PLACED_MARK + 1 ? p.lambda - PBF_PLACED_MARK
+                                                                       : 0;
+}
+
+/* Marks what `found` says has been placed, or enters; with nothing placed it takes the marks away.
+ * Sleepers keep their lambda. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    mark_placed_kernel(sorted_particles p, pbf_overlap found) {
+    mark_placed_kernel(sorted_particles p, pbf_overlap found, pbf_entering entering) {
   uint32_t i = own_index(p);
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
-  p.points[i].lambda = pbf_is_placed(found, p.ids[i]) ? PBF_PLACED_MARK : 0;
+  const pbf_real part = pbf_placed_part(found, entering, p.ids[i], p.overlap[i]);
+  p.points[i].lambda = part > 0 ? PBF_PLACED_MARK + part : 0;
 }
 
 /* Adds the overlap that is found at the start of the step, between these walls, and the colliders,
@@ -24,7 +30,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     overlap_kernel(const __grid_constant__ neighborhood n,
                    const __grid_constant__ iteration_extras extras,
                    const __grid_constant__ pbf_domain domain, pbf_real time_step,
-                   const pbf_real *ghosts, pbf_overlap found) {
+                   const pbf_real *ghosts, pbf_overlap found, pbf_entering entering) {
   uint32_t i = own_index(n.particles), own = min(i, n.particles.count - 1);
   const pbf_constants *c = &n.constants;
   const density_pass<fixed<FEATURES>> all = {c, {}};
@@ -32,13 +38,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const pbf_vec *velocities = n.particles.velocities;
   const at_start places = {time_step};
   const pbf_vec x = places.place(load(n.particles.points, own), velocities[own]);
+  if (!__syncthreads_or(i < n.particles.count && pbf_overlap_reaches(entering, x))) return;
   auto sums = all.template begin<pbf_real>();
   auto placed_sums = placed.template begin<pbf_real>();
   for_points_with(
       n.particles, n.grid, n.lists, i, x, velocities,
       [&](const point &other, const pbf_vec &v) {
         neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-        j.number = other.lambda == PBF_PLACED_MARK ? 1 : 0;
+        j.number = placed_part_of(other);
         all.pair(&sums, {}, j);
         placed.pair(&placed_sums, {}, j);
       },
@@ -53,11 +60,12 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     const pbf_constants *of_solids = constants_for<LISTED>(all, c);
     pbf_boundary boundary = pbf_boundary_at_time(of_solids, before, x, x, 1);
     pbf_add_boundary(&boundary, &density, &gradient);
-    by_placed +=
-        placed_boundary(of_solids, before, found, LISTED ? found.more_colliders : nullptr, x, 1);
+    by_placed += placed_boundary(of_solids, before, found, LISTED ? found.more_colliders : nullptr,
+                                 x, 1, pbf_enters(entering, n.particles.ids[i]));
   }
   pbf_real *overlap = n.particles.overlap + i;
-  *overlap = pbf_overlap_found(c, found, n.particles.ids[i], density, by_placed, *overlap);
+  *overlap =
+      pbf_overlap_found(c, found, entering, n.particles.ids[i], density, by_placed, *overlap);
 }
 
 /* Of what is still inside a solid. */

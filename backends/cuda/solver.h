@@ -102,6 +102,7 @@ struct solver {
                              sleep only */
   uint64_t epoch;         /* between two events that may wake a particle */
   pbf_overlap found;      /* for the next step; struct_size 0: none */
+  pbf_entering entering;  /* what of it enters */
   int overlaps;           /* some may be left */
   pbf_phase_table phases; /* that differ; count 0: none do */
   pbf_sleep sleep;

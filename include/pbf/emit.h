@@ -29,7 +29,8 @@ enum { PBF_EMITTER_RECTANGLE = 0, PBF_EMITTER_DISC = 1 };
 /* An opening across a stream. Particles leave it in columns, a spacing apart, and one after
  * another, in a lattice that moves with the stream: so many a time unit as the rate is particles,
  * to one after any number of steps. Until a particle is h away it goes on by the stream's velocity
- * alone, whatever it meets: what is in its way gives way, and so an opening may lie under water. */
+ * alone, whatever it meets: what is in its way gives way, and so an opening may lie under water. On
+ * the first spacing of that way it comes to count as a particle. */
 typedef struct pbf_emitter {
   uint32_t struct_size;
   uint32_t shape;     /* PBF_EMITTER_… */

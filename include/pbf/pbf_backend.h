@@ -182,6 +182,17 @@ typedef struct pbf_phase_table {
   double heaviest;                  /* rest_density, or 1 */
 } pbf_phase_table;
 
+/* Particles that enter by an emitter's opening: those of the range of ids of which a part is still
+ * outside. What each has of that, 0 … 1, the host writes to its PBF_BACKEND_FIELD_OVERLAP between
+ * set_overlap and the step. */
+typedef struct pbf_entering {
+  uint32_t struct_size;
+  uint32_t alone; /* 1: there is no other overlap to be found */
+  uint32_t first_id, last_id;
+  double kept;               /* of what was allowed for before, near one that enters */
+  double lower[3], upper[3]; /* a box around all that is within h of one */
+} pbf_entering;
+
 /* What lies in other fluid, or in a solid, where no step has moved it: found there, an overlap. */
 typedef struct pbf_overlap {
   uint32_t struct_size;
@@ -193,11 +204,12 @@ typedef struct pbf_overlap {
                                      most 1 */
   const uint64_t *more_colliders; /* … and of each 64 after them; null where there are no more, and
                                      valid during the call */
-  double reference;   /* the error under all fluid at rest that there is, as far as steps
-                         have left it, … */
-  double before, now; /* … and the parts of it that steps left so far, and leave now;
-                         where steps are as before `part` is 0, and these say nothing */
-  double least;       /* what is allowed for may be so far below 0 */
+  double reference;             /* the error under all fluid at rest that there is, as far as steps
+                                   have left it, … */
+  double before, now;           /* … and the parts of it that steps left so far, and leave now;
+                                   where steps are as before `part` is 0, and these say nothing */
+  double least;                 /* what is allowed for may be so far below 0 */
+  const pbf_entering *entering; /* null: none do; valid during the call */
 } pbf_overlap;
 
 typedef struct pbf_backend_solver pbf_backend_solver;

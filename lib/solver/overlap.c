@@ -148,17 +148,30 @@ pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *over
   return tell(solver, overlap->end > 0 ? &none : NULL);
 }
 
-static pbf_status tell_overlap(pbf_solver *solver, uint32_t *steps) {
+int pbf_overlap_can_be_found(const pbf_solver *solver) {
+  return solver->overlap.moved && solver->api.set_overlap &&
+         solver->params.solver == PBF_SOLVER_CHEBYSHEV;
+}
+
+static pbf_status tell_found(pbf_solver *solver, const pbf_entering *entering) {
+  pbf_overlap found = *noted(solver);
+  found.more_colliders = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED).more;
+  found.entering = entering;
+  pbf_status status = tell(solver, &found);
+  if (status != PBF_OK) return status;
+  solver->overlap.found.struct_size = 0;
+  solver->overlap.end = pbf_solver_time(solver) + time_apart(solver);
+  return PBF_OK;
+}
+
+static pbf_status tell_overlap(pbf_solver *solver, pbf_entering *entering, uint32_t *steps) {
   double now = pbf_solver_time(solver);
   if (!solver->api.set_overlap) return PBF_OK;
   if (solver->params.solver != PBF_SOLVER_CHEBYSHEV) return pbf_overlap_forget(solver);
-  if (solver->overlap.found.struct_size) {
-    pbf_overlap found = solver->overlap.found;
-    found.more_colliders = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED).more;
-    pbf_status status = tell(solver, &found);
+  if (solver->overlap.found.struct_size || entering) {
+    if (entering) entering->alone = !solver->overlap.found.struct_size;
+    pbf_status status = tell_found(solver, entering);
     if (status != PBF_OK) return status;
-    solver->overlap.found.struct_size = 0;
-    solver->overlap.end = now + time_apart(solver);
   } else if (solver->overlap.end > 0 && now >= solver->overlap.end) {
     return pbf_overlap_forget(solver);
   }
@@ -168,7 +181,7 @@ static pbf_status tell_overlap(pbf_solver *solver, uint32_t *steps) {
   return PBF_OK;
 }
 
-pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps) {
-  pbf_status status = tell_overlap(solver, steps);
+pbf_status pbf_overlap_to_backend(pbf_solver *solver, pbf_entering *entering, uint32_t *steps) {
+  pbf_status status = tell_overlap(solver, entering, steps);
   return status == PBF_OK ? tell_most(solver, solver->overlap.most) : status;
 }

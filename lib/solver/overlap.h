@@ -23,8 +23,11 @@ pbf_status pbf_overlap_forget(pbf_solver *solver);
 /* Has the backend keep as much as a state that is loaded had. */
 pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *overlap);
 
-/* Tells the backend before steps; *steps becomes the number of those, the same or fewer, for which
- * that holds. */
-pbf_status pbf_overlap_to_backend(pbf_solver *solver, uint32_t *steps);
+/* Whether steps look for any. */
+int pbf_overlap_can_be_found(const pbf_solver *solver);
+
+/* Tells the backend before steps, `entering` (null: none), too, of which it sets `alone`; *steps
+ * becomes the number of those, the same or fewer, for which that holds. */
+pbf_status pbf_overlap_to_backend(pbf_solver *solver, pbf_entering *entering, uint32_t *steps);
 
 #endif

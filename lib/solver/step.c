@@ -6,6 +6,7 @@
 #include "backend_call.h"
 #include "diffuse/diffuse.h"
 #include "emission/emission.h"
+#include "emission/entering.h"
 #include "error.h"
 #include "handles.h"
 #include "look_ahead.h"
@@ -70,6 +71,15 @@ static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
   return most < steps ? (uint32_t)most : steps;
 }
 
+/* What steps find overlapping. */
+static pbf_status tell_overlap(pbf_solver *solver, uint32_t *alike) {
+  pbf_entering entering;
+  const int any = pbf_overlap_can_be_found(solver) && pbf_emission_find_entering(solver, &entering);
+  pbf_status status = pbf_overlap_to_backend(solver, any ? &entering : NULL, alike);
+  if (status == PBF_OK && any) status = pbf_emission_tell_entering(solver, &entering);
+  return status;
+}
+
 /* So many of the steps as go alike. */
 static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   uint32_t substeps = solver->parts;
@@ -78,7 +88,7 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   if (status == PBF_OK) status = pbf_divide_step(solver, substeps);
   if (status != PBF_OK) return status;
   pbf_overlap_note_step(solver, solver->time_step_there);
-  status = pbf_overlap_to_backend(solver, &alike);
+  status = tell_overlap(solver, &alike);
   if (status != PBF_OK) return status;
   solver->substeps = substeps;
   if (solver->parts > 0) {

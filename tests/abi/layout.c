@@ -388,7 +388,7 @@ AT(pbf_backend_state, device_type, 8);
 AT(pbf_backend_state, reserved, 12);
 AT(pbf_backend_state, device_name, 16);
 
-SIZE(pbf_overlap, 72);
+SIZE(pbf_overlap, 80);
 AT(pbf_overlap, struct_size, 0);
 AT(pbf_overlap, walls, 4);
 AT(pbf_overlap, first_id, 8);
@@ -400,6 +400,16 @@ AT(pbf_overlap, reference, 40);
 AT(pbf_overlap, before, 48);
 AT(pbf_overlap, now, 56);
 AT(pbf_overlap, least, 64);
+AT(pbf_overlap, entering, 72);
+
+SIZE(pbf_entering, 72);
+AT(pbf_entering, struct_size, 0);
+AT(pbf_entering, alone, 4);
+AT(pbf_entering, first_id, 8);
+AT(pbf_entering, last_id, 12);
+AT(pbf_entering, kept, 16);
+AT(pbf_entering, lower, 24);
+AT(pbf_entering, upper, 48);
 
 SIZE(pbf_backend_array, 32);
 AT(pbf_backend_array, struct_size, 0);

@@ -12,10 +12,11 @@
 
 namespace {
 
-/* The density that placed neighbours contribute. What their ghosts do is not counted. */
+/* The density that placed neighbours contribute, or the parts of them that are placed. What their
+ * ghosts do is not counted. */
 template <class Features>
 struct placed_density_pass {
-  enum { NUMBER = 1 /* 1: placed; 0 */, VECTOR = 0 };
+  enum { NUMBER = 1 /* pbf_placed_part */, VECTOR = 0 };
   const pbf_constants *c;
   Features features;
 
@@ -40,17 +41,17 @@ struct placed_density_pass {
   PBF_IN void end(sums<L> *) const {}
 };
 
-/* The density that placed surfaces contribute at x, as they stood `before` the step or after it;
- * `more` is for those that have no bit in `found`. */
+/* The density that placed surfaces contribute at x, or `all`, as they stood `before` the step or
+ * after it; `more` is for those that have no bit in `found`. */
 template <class Obstacles>
 PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o,
                                       const pbf_overlap &found, const uint64_t *more, pbf_vec x,
-                                      int before) {
+                                      int before, bool all) {
   pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
-  if (found.walls) boundary = pbf_boundary_of_domain(c, &o.domain, x);
+  if (found.walls || all) boundary = pbf_boundary_of_domain(c, &o.domain, x);
   const auto placed = [&](auto visit) {
     for (int k = 0; k < pbf_surface_count(o); ++k)
-      if (pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k)))
+      if (all || pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k)))
         visit(before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k], k);
   };
   pbf_accumulate_surfaces(c, &o.domain, x, placed, &boundary);
@@ -62,6 +63,46 @@ PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o
 PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
   return id >= found.first_id && id <= found.last_id;
 }
+
+/* ---- Particles that enter -------------------------------------------------------------------- */
+
+/* A particle that leaves an emitter's opening, where other fluid stands, would be all there at
+ * once, half a spacing from what it meets. It enters within the way of a spacing instead, on which
+ * its stream moves it: what is still outside does not count in the densities of all that it is
+ * near, itself included. So what is in its way has time to give way, at the stream's speed. Near it
+ * no other allowance lasts any longer. */
+static inline pbf_entering pbf_entering_of(const pbf_overlap *overlap) {
+  if (overlap->entering) return *overlap->entering;
+  return {0, 0, 1, 0, 0, {0}, {0}};
+}
+
+PBF_FN bool pbf_enters(const pbf_entering &entering, uint32_t id) {
+  return id >= entering.first_id && id <= entering.last_id;
+}
+
+/* Whether anything can be found there. */
+PBF_FN bool pbf_overlap_reaches(const pbf_entering &entering, pbf_vec x) {
+  bool in_box = true;
+  for (int k = 0; k < PBF_DIM; ++k)
+    in_box = in_box && x.c[k] >= entering.lower[k] && x.c[k] <= entering.upper[k];
+  return in_box || !entering.alone;
+}
+
+/* What is allowed for of a particle that enters, or is near one, of which `outside` is the density
+ * of what is not yet there. */
+PBF_FN pbf_real pbf_overlap_entering(const pbf_entering &entering, pbf_real error, pbf_real outside,
+                                     pbf_real before) {
+  return pbf_real_min(error, pbf_real_max(outside, before * (pbf_real)entering.kept));
+}
+
+/* The part of a particle that is placed: all, what is still outside of one that enters, or none. */
+PBF_FN pbf_real pbf_placed_part(const pbf_overlap &found, const pbf_entering &entering, uint32_t id,
+                                pbf_real overlap) {
+  if (pbf_is_placed(found, id)) return 1;
+  return pbf_enters(entering, id) ? pbf_real_min(pbf_real_max(overlap, 0), 1) : 0;
+}
+
+/* ---- Allowances ------------------------------------------------------------------------------ */
 
 /* What is allowed for where steps leave another error than before, such that pressure stays what it
  * is, and fluid at rest has no reason to move. Where they leave more it is below 0: what is to come
@@ -82,10 +123,15 @@ PBF_FN pbf_real pbf_overlap_shifted(const pbf_overlap &found, pbf_real error, pb
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
  * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
  * all of its error. */
-PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found, uint32_t id,
-                                  pbf_real density, pbf_real placed_density, pbf_real before) {
+PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found,
+                                  const pbf_entering &entering, uint32_t id, pbf_real density,
+                                  pbf_real placed_density, pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
   if (pbf_is_placed(found, id)) return pbf_real_max(before, error);
+  if (pbf_enters(entering, id))
+    return pbf_overlap_entering(entering, error, placed_density + before * c->value_scale, 0);
+  if (placed_density > 0 && entering.struct_size)
+    return pbf_overlap_entering(entering, error, placed_density, before);
   const pbf_real shifted =
       found.part < 0 || found.part > 0 ? pbf_overlap_shifted(found, error, before) : before;
   if (!(placed_density > 0)) return shifted;
