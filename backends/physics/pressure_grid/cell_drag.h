@@ -82,12 +82,9 @@ PBF_FN double pbf_drag_at_torn_node(const pbf_pressure_grid *c, const pbf_pressu
   pbf_node_drag drag = {0, {0}, {0}, 0};
   int i[PBF_DIM];
   pbf_pressure_grid_place(c, t->base[torn], i);
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS && pbf_node_compartment(t, torn, k) != PBF_NO_INDEX;
-       ++k) {
-    const uint32_t incident = pbf_node_compartment(t, torn, k);
-    pbf_add_cell_drag(c, sums, moves, free_volumes, incident / PBF_CORNERS, i,
-                      (int)(incident % PBF_CORNERS), &drag);
-  }
+  pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
+    pbf_add_cell_drag(c, sums, moves, free_volumes, compartment, i, a, &drag);
+  });
   return pbf_node_drag_right(part, &drag);
 }
 

@@ -148,14 +148,10 @@ PBF_FN void pbf_pressure_grid_torn_equation(const pbf_pressure_grid *c,
   double surface = 0;
   int i[PBF_DIM];
   pbf_pressure_grid_place(c, t->base[torn], i);
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS && pbf_node_compartment(t, torn, k) != PBF_NO_INDEX;
-       ++k) {
-    const uint32_t incident = pbf_node_compartment(t, torn, k);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, incident / PBF_CORNERS, i,
-                               (int)(incident % PBF_CORNERS), &all);
-    surface += pbf_pressure_grid_surface_stiffness(
-        c, t, free_volumes, depths, incident / PBF_CORNERS, (int)(incident % PBF_CORNERS));
-  }
+  pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
+    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, compartment, i, a, &all);
+    surface += pbf_pressure_grid_surface_stiffness(c, t, free_volumes, depths, compartment, a);
+  });
   const double depth = depths[t->torn_at[torn]];
   pbf_pressure_grid_equation_of(source_scale, &all, depth, &t->right[torn], &t->inverse[torn]);
   if (t->inverse[torn] > 0)
@@ -219,10 +215,7 @@ PBF_FN double pbf_pressure_grid_torn_residual(const pbf_pressure_grid *c,
                                               uint32_t torn) {
   const double now = lambda[t->torn_at[torn]], own = PBF_PRESSURE_GRID_STIFFNESS_OWN * now;
   double left = 0, free_volume = 0;
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS && pbf_node_compartment(t, torn, k) != PBF_NO_INDEX;
-       ++k) {
-    const uint32_t incident = pbf_node_compartment(t, torn, k), of = incident / PBF_CORNERS;
-    const int a = (int)(incident % PBF_CORNERS);
+  pbf_for_compartments(t, torn, [&](uint32_t of, int a) {
     const double x = lambda[pbf_pressure_grid_corner(c, t, of, a ^ 3)];
     double others;
     if (PBF_DIM == 2)
@@ -234,7 +227,7 @@ PBF_FN double pbf_pressure_grid_torn_residual(const pbf_pressure_grid *c,
                lambda[pbf_pressure_grid_corner(c, t, of, a ^ (PBF_CORNERS - 1))];
     left += free_volumes[of] * (own - others);
     free_volume += free_volumes[of];
-  }
+  });
   return t->right[torn] - PBF_PRESSURE_GRID_STIFFNESS * left -
          pbf_pressure_grid_surface_diagonal(t->inverse[torn], free_volume) * now;
 }

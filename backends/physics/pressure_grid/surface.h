@@ -74,16 +74,12 @@ PBF_FN double pbf_pressure_grid_torn_depth(const pbf_pressure_grid *c,
                                            const int64_t *places, const double *free_volumes,
                                            uint32_t torn) {
   pbf_pressure_grid_filling all = {0, 0, 0};
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS && pbf_node_compartment(t, torn, k) != PBF_NO_INDEX;
-       ++k) {
-    const uint32_t incident = pbf_node_compartment(t, torn, k),
-                   compartment = incident / PBF_CORNERS;
+  pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
     int i[PBF_DIM];
     pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
     pbf_pressure_grid_add_filling(c, t, compartment, sums[compartment], places[compartment],
-                                  free_volumes[compartment], i, (int)(incident % PBF_CORNERS),
-                                  &all);
-  }
+                                  free_volumes[compartment], i, a, &all);
+  });
   return pbf_pressure_grid_depth(&all);
 }
 
@@ -134,10 +130,9 @@ PBF_FN double pbf_pressure_grid_torn_beyond(const pbf_pressure_grid *c,
                                             const double *depths, const double *free_volumes,
                                             const double *lambda, uint32_t torn) {
   pbf_pressure_grid_slope slope = {0, 0};
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS && pbf_node_compartment(t, torn, k) != PBF_NO_INDEX;
-       ++k)
-    pbf_pressure_grid_add_slope(c, t, depths, free_volumes, lambda,
-                                pbf_node_compartment(t, torn, k) / PBF_CORNERS, &slope);
+  pbf_for_compartments(t, torn, [&](uint32_t compartment, int) {
+    pbf_pressure_grid_add_slope(c, t, depths, free_volumes, lambda, compartment, &slope);
+  });
   return pbf_pressure_grid_beyond(&slope, depths[t->torn_at[torn]]);
 }
 

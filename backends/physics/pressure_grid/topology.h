@@ -141,22 +141,24 @@ PBF_FN void pbf_list_torn_node(const pbf_pressure_grid *c, const pbf_pressure_gr
 
 /* ---- A torn node's compartments ------------------------------------------------------------- */
 
-PBF_FN uint32_t pbf_node_compartment(const pbf_pressure_grid_topology *t, uint32_t torn, int k) {
-  return t->node_compartments[(uint64_t)torn * PBF_NODE_COMPARTMENTS + (uint64_t)k];
+/* Calls visit(compartment, corner) for each, and the corner of it that the node is. */
+template <class Visit>
+PBF_FN void pbf_for_compartments(const pbf_pressure_grid_topology *t, uint32_t torn, Visit visit) {
+  const uint32_t *of_node = t->node_compartments + (uint64_t)torn * PBF_NODE_COMPARTMENTS;
+  for (int k = 0; k < PBF_NODE_COMPARTMENTS && of_node[k] != PBF_NO_INDEX; ++k)
+    visit(of_node[k] / PBF_CORNERS, (int)(of_node[k] % PBF_CORNERS));
 }
 
 /* The node next to a torn one towards one side of an axis; PBF_NO_INDEX where there is none. */
 PBF_FN uint32_t pbf_node_beside_torn(const pbf_pressure_grid *c,
                                      const pbf_pressure_grid_topology *t, uint32_t torn, int axis,
                                      int upwards) {
-  for (int k = 0; k < PBF_NODE_COMPARTMENTS; ++k) {
-    const uint32_t member = pbf_node_compartment(t, torn, k);
-    if (member == PBF_NO_INDEX) break;
-    const int a = (int)(member % PBF_CORNERS);
-    if ((a >> axis & 1) == upwards) continue;
-    return pbf_pressure_grid_corner(c, t, member / PBF_CORNERS, a ^ 1 << axis);
-  }
-  return PBF_NO_INDEX;
+  uint32_t beside = PBF_NO_INDEX;
+  pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
+    if (beside == PBF_NO_INDEX && (a >> axis & 1) != upwards)
+      beside = pbf_pressure_grid_corner(c, t, compartment, a ^ 1 << axis);
+  });
+  return beside;
 }
 
 #endif
