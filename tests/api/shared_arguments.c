@@ -1,15 +1,12 @@
 /* Arrays that another thread writes to while a call reads them, as those of NumPy, which others see
  * while a call runs: what is taken is what was checked, and nothing beyond them is looked at. */
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <pbf/emit.h>
 #include <pbf/phases.h>
 
+#include "child.h"
 #include "support.h"
 
 enum { COUNT = 40, CALLS = TEST_INSTRUMENTED ? 2000 : 20000 };
@@ -65,7 +62,11 @@ static void *write_sizes(void *user) {
   return NULL;
 }
 
-typedef pbf_status (*set_fn)(pbf_solver *solver, void *array);
+typedef struct setting {
+  pbf_status (*set)(pbf_solver *solver, void *array);
+  void *array;
+  uint32_t size; /* of a struct */
+} setting;
 
 static pbf_status set_emitters(pbf_solver *solver, void *array) {
   return pbf_set_emitters(solver, PBF_MAX_EMITTERS, array);
@@ -80,33 +81,21 @@ static pbf_status set_reservoirs(pbf_solver *solver, void *array) {
 }
 
 /* Ends the process where a call looks beyond the array. */
-static int set_often(set_fn set, void *array, uint32_t size) {
+static int set_often(void *context) {
+  const setting *of = context;
   pbf_solver *s = test_solver(2, PBF_FLOAT32, 4000);
-  shared others = {array, size, 0};
+  shared others = {of->array, of->size, 0};
   pthread_t thread;
   int failed = 0;
   if (pthread_create(&thread, NULL, write_sizes, &others) != 0) return 4;
   for (int k = 0; k < CALLS && !failed; ++k) {
-    const pbf_status status = set(s, array);
+    const pbf_status status = of->set(s, of->array);
     if (status != PBF_OK && status != PBF_ERROR_STRUCT_SIZE) failed = 5;
   }
   atomic_store(&others.stop, 1);
   pthread_join(thread, NULL);
   pbf_destroy(s);
   return failed;
-}
-
-static void assert_survives(set_fn set, void *array, uint32_t size) {
-  int status = 0;
-  fflush(NULL);
-  const pid_t child = fork();
-  if (child == 0) {
-    signal(SIGSEGV, SIG_DFL); /* which is the answer */
-    signal(SIGBUS, SIG_DFL);
-    _exit(set_often(set, array, size));
-  }
-  assert_int_equal(waitpid(child, &status, 0), child);
-  assert_int_equal(status, 0);
 }
 
 static void sizes_are_read_once(void **state) {
@@ -124,9 +113,11 @@ static void sizes_are_read_once(void **state) {
       reservoirs[i].half_extents[k] = reservoirs[i].depth = 0.2;
     }
   }
-  assert_survives(set_emitters, emitters, sizeof *emitters);
-  assert_survives(set_drains, drains, sizeof *drains);
-  assert_survives(set_reservoirs, reservoirs, sizeof *reservoirs);
+  setting settings[] = {{set_emitters, emitters, sizeof *emitters},
+                        {set_drains, drains, sizeof *drains},
+                        {set_reservoirs, reservoirs, sizeof *reservoirs}};
+  for (size_t k = 0; k < sizeof settings / sizeof settings[0]; ++k)
+    assert_int_equal(test_status_of_child(set_often, &settings[k]), 0);
 }
 
 int main(void) {

@@ -3,13 +3,11 @@
 #define _GNU_SOURCE
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "child.h"
 #include "support.h"
 
 enum {
@@ -76,7 +74,8 @@ static int load_often(pbf_solver *solver, shared *s, const unsigned char *state)
   return 0;
 }
 
-static int load_what_changes(void) {
+static int load_what_changes(void *unused) {
+  (void)unused;
   static const float at[3] = {0.5f, 0.5f, 0.5f};
   shared s = {0};
   pbf_solver *solver = NULL;
@@ -108,16 +107,7 @@ static int load_what_changes(void) {
 
 static void a_state_that_changes(void **state) {
   (void)state;
-  int status = 0;
-  fflush(NULL);
-  const pid_t child = fork();
-  if (child == 0) {
-    signal(SIGSEGV, SIG_DFL); /* which is the answer */
-    signal(SIGBUS, SIG_DFL);
-    _exit(load_what_changes());
-  }
-  assert_int_equal(waitpid(child, &status, 0), child);
-  assert_int_equal(status, 0);
+  assert_int_equal(test_status_of_child(load_what_changes, NULL), 0);
 }
 
 int main(void) {
