@@ -57,15 +57,19 @@ const pbf_allocator pbf_default_allocator = {sizeof(pbf_allocator), 0, NULL, def
 /* Callers' allocators are never asked for 0 bytes. */
 static uint64_t at_least_one(uint64_t size) { return size ? size : 1; }
 
+void *pbf_memory_try(const pbf_allocator *allocator, uint64_t size) {
+  const pbf_fp_environment ours = pbf_fp_now();
+  void *memory = allocator->allocate(allocator->user, at_least_one(size), ALIGNMENT);
+  pbf_fp_end(ours); /* a caller's function may have left another one */
+  return memory;
+}
+
 pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
                                void **memory) {
-  size = at_least_one(size);
-  const pbf_fp_environment ours = pbf_fp_now();
-  *memory = allocator->allocate(allocator->user, size, ALIGNMENT);
-  pbf_fp_end(ours); /* a caller's function may have left another one */
+  *memory = pbf_memory_try(allocator, size);
   if (*memory) return PBF_OK;
-  return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "the allocator gave no %" PRIu64 " bytes for %s", size,
-                  purpose);
+  return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "the allocator gave no %" PRIu64 " bytes for %s",
+                  at_least_one(size), purpose);
 }
 
 void pbf_memory_free(const pbf_allocator *allocator, void *memory, uint64_t size) {

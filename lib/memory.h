@@ -6,6 +6,9 @@
 
 extern const pbf_allocator pbf_default_allocator;
 
+/* Null where there is none. */
+void *pbf_memory_try(const pbf_allocator *allocator, uint64_t size);
+
 /* Fails with a message that says what the memory was for. A size of 0 is allowed. */
 pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, const char *purpose,
                                void **memory);

@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "common/fp_environment.h"
 #include "memory.h"
 
 /* What a call into a solver needs, many times over. */
@@ -69,7 +70,7 @@ static void begin_here(pbf_thread_pool *pool) {
 static void take_room(pbf_thread_pool *pool, const pbf_allocator *allocator) {
   const uint32_t wanted = pool->size - 1;
   if (pool->room >= wanted) return;
-  void *memory = allocator->allocate(allocator->user, wanted * sizeof *pool->threads, 64);
+  void *memory = pbf_memory_try(allocator, wanted * sizeof *pool->threads);
   if (!memory) return;
   pool->threads = memory;
   pool->room = wanted;
@@ -121,9 +122,11 @@ static void run_task(void *task, uint32_t first, uint32_t last) {
 
 /* A thread that comes late finds no item left. */
 static void run_as_task(const pbf_thread_pool *pool, pbf_thread_pool_job *job) {
+  const pbf_fp_environment ours = pbf_fp_now();
   void *handle = pool->enqueue_task(pool->task_user, run_task, job, job->places, 1);
   work_on(job);
   if (handle) pool->finish_task(pool->task_user, handle);
+  pbf_fp_end(ours); /* a caller's function may have left another one */
 }
 
 /* ---- Runs ----------------------------------------------------------------------------------- */
@@ -154,6 +157,5 @@ void pbf_thread_pool_free(pbf_thread_pool *pool, const pbf_allocator *allocator)
     pbf_condition_destroy(&pool->begun);
     pbf_mutex_destroy(&pool->mutex);
   }
-  if (pool->threads)
-    allocator->release(allocator->user, pool->threads, pool->room * sizeof *pool->threads, 64);
+  pbf_memory_free(allocator, pool->threads, pool->room * sizeof *pool->threads);
 }

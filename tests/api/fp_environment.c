@@ -8,6 +8,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include <pbf/batch.h>
+
 #include "support.h"
 
 enum { COUNT = 600 };
@@ -221,6 +223,37 @@ static void a_callbacks_environment_changes_nothing(void **state) {
   test_for_each_kind(compare_left);
 }
 
+/* Nor that of the thread which steps a batch, whose callbacks they are, too. */
+static void check_batch(int with_tasks) {
+  pbf_allocator memory = test_allocator;
+  pbf_desc desc = test_desc(2, PBF_FLOAT32, 4);
+  pbf_batch *batch;
+  desc.threads = 2;
+  desc.allocator = &memory;
+  if (with_tasks) {
+    desc.enqueue_task = run_at_once;
+    desc.finish_task = finish;
+  }
+  memory.allocate = allocate;
+  memory.release = release;
+  left = to_nearest;
+  assert_ok(pbf_batch_create(&desc, NULL, 4, &batch));
+  left = downward;
+  const pbf_status status = pbf_batch_step(batch, NULL, 1);
+  const int rounding = fegetround();
+  to_nearest();
+  assert_ok(status);
+  assert_int_equal(rounding, FE_TONEAREST);
+  pbf_batch_destroy(batch);
+  assert_int_equal(fegetround(), FE_TONEAREST);
+}
+
+static void a_batchs_callbacks_change_nothing(void **state) {
+  (void)state;
+  check_batch(0);
+  check_batch(1);
+}
+
 /* ---- Threads that have been started by others ---------------------------------------------- */
 
 /* The entry to a parallel region of GCC's OpenMP library, if that is loaded. (Those of clang's have
@@ -270,6 +303,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_callers_environment_changes_nothing),
       cmocka_unit_test(a_callbacks_environment_changes_nothing),
+      cmocka_unit_test(a_batchs_callbacks_change_nothing),
       cmocka_unit_test(a_pools_environment_changes_nothing),
   };
   return TEST_RUN(tests);
