@@ -15,12 +15,23 @@
 
 enum { MOST_POINTS = 4096 };
 
-/* Faces of the hull so far, counted so that the outside is where a normal points. */
+/* Of a face that goes, where one that stays is behind it; in 2D an end, `from`. */
+typedef struct edge {
+  uint32_t from, to, corner;
+} edge;
+
+/* Faces of the hull so far, counted so that the outside is where a normal points. They are closed,
+ * in one piece and without a handle: by Euler's formula there are at most twice as many as points.
+ */
 typedef struct hull {
   uint32_t dimension, count;
-  const double (*points)[3];
+  double (*points)[3];
   uint32_t (*faces)[3];
   uint8_t *facing;
+  edge *horizon;
+  uint32_t *next;    /* by point: the one after it on the horizon */
+  uint32_t *piece;   /* faces */
+  uint32_t first[4]; /* points as far as can be from each other */
   double rounding;
 } hull;
 
@@ -39,31 +50,99 @@ static void add_face(hull *h, uint32_t a, uint32_t b, uint32_t c) {
   face[0] = a, face[1] = b, face[2] = c;
 }
 
-/* Whether an edge, or in 2D an end, of a face that goes is one of a face that stays. */
-static int is_horizon(const hull *h, uint32_t faces, uint32_t from, uint32_t to) {
+/* The face at the other side of an edge, or in 2D of an end: each has one, as the hull is closed.
+ */
+static uint32_t behind(const hull *h, uint32_t faces, uint32_t face, uint32_t corner) {
+  const uint32_t from = h->faces[face][corner], to = h->faces[face][(corner + 1) % h->dimension];
   for (uint32_t f = 0; f < faces; ++f)
     for (uint32_t k = 0; k < h->dimension; ++k) {
-      const uint32_t *face = h->faces[f];
-      if (!h->facing[f] && face[k] == to &&
-          (h->dimension == 2 || face[(k + 1) % h->dimension] == from))
-        return 1;
+      const uint32_t *other = h->faces[f];
+      if (h->dimension == 2 ? f != face && other[k] == from
+                            : other[k] == to && other[(k + 1) % 3] == from)
+        return f;
     }
-  return 0;
+  return face;
+}
+
+/* The edges, or in 2D ends, at which faces that go meet faces that stay: so many. */
+static uint32_t find_horizon(hull *h, uint32_t faces) {
+  uint32_t edges = 0;
+  for (uint32_t f = 0; f < faces; ++f)
+    for (uint32_t k = 0; k < h->dimension && h->facing[f]; ++k)
+      if (!h->facing[behind(h, faces, f, k)])
+        h->horizon[edges++] = (edge){h->faces[f][k], h->faces[f][(k + 1) % h->dimension], k};
+  return edges;
+}
+
+/* Whether they are one way around, which passes through no point twice: then what goes is one
+ * piece without a hole. */
+static int is_one_way(hull *h, uint32_t edges) {
+  uint32_t passed = 0;
+  if (h->dimension == 2) return edges == 2;
+  for (uint32_t e = 0; e < edges; ++e) h->next[h->horizon[e].from] = UINT32_MAX;
+  for (uint32_t e = 0; e < edges; ++e) {
+    if (h->next[h->horizon[e].from] != UINT32_MAX) return 0;
+    h->next[h->horizon[e].from] = h->horizon[e].to;
+  }
+  if (edges == 0) return 0;
+  uint32_t at = h->horizon[0].from;
+  do {
+    at = h->next[at];
+    ++passed;
+  } while (at != h->horizon[0].from && passed < edges);
+  return passed == edges && at == h->horizon[0].from;
+}
+
+/* Of the faces that are like `first` those that hang together with it stay as they are, and all
+ * others become unlike it. */
+static void keep_piece(hull *h, uint32_t faces, uint32_t first) {
+  const uint8_t like = h->facing[first];
+  uint32_t known = 1;
+  h->piece[0] = first;
+  h->facing[first] = 2;
+  for (uint32_t i = 0; i < known; ++i)
+    for (uint32_t k = 0; k < h->dimension; ++k) {
+      const uint32_t other = behind(h, faces, h->piece[i], k);
+      if (h->facing[other] != like) continue;
+      h->facing[other] = 2;
+      h->piece[known++] = other;
+    }
+  for (uint32_t f = 0; f < faces; ++f) h->facing[f] = h->facing[f] == 2 ? like : !like;
+}
+
+/* Which faces go: those that the point is before. Of faces as thin as rounding that may be told
+ * amiss, so that what goes is in pieces, or has holes: then the piece goes that is farthest behind
+ * the point, and what surrounds the one that it is farthest before stays. */
+static uint32_t find_facing(hull *h, uint32_t faces, const double point[3]) {
+  uint32_t most = 0, least = 0, any = 0, edges;
+  double highest = -INFINITY, lowest = INFINITY;
+  for (uint32_t f = 0; f < faces; ++f) {
+    const double ahead = before(h, h->faces[f], point);
+    any |= h->facing[f] = ahead > h->rounding;
+    if (ahead > highest) highest = ahead, most = f;
+    if (ahead < lowest) lowest = ahead, least = f;
+  }
+  if (!any) return 0;
+  edges = find_horizon(h, faces);
+  if (is_one_way(h, edges)) return edges;
+  h->facing[least] = 0;
+  keep_piece(h, faces, least);
+  h->facing[most] = 1;
+  keep_piece(h, faces, most);
+  edges = find_horizon(h, faces);
+  return is_one_way(h, edges) ? edges : 0;
 }
 
 static void add_point(hull *h, uint32_t point) {
-  const uint32_t faces = h->count;
-  int any = 0;
-  for (uint32_t f = 0; f < faces; ++f)
-    any |= h->facing[f] = before(h, h->faces[f], h->points[point]) > h->rounding;
-  if (!any) return;
-  for (uint32_t f = 0; f < faces; ++f)
-    for (uint32_t k = 0; k < h->dimension && h->facing[f]; ++k) {
-      const uint32_t from = h->faces[f][k], to = h->faces[f][(k + 1) % h->dimension];
-      if (h->dimension == 3 && is_horizon(h, faces, from, to)) add_face(h, from, to, point);
-      if (h->dimension == 2 && is_horizon(h, faces, from, from))
-        add_face(h, k == 0 ? from : point, k == 0 ? point : from, 0);
-    }
+  const uint32_t faces = h->count, edges = find_facing(h, faces, h->points[point]);
+  if (edges == 0) return;
+  for (uint32_t e = 0; e < edges; ++e) {
+    const edge *at = &h->horizon[e];
+    if (h->dimension == 3)
+      add_face(h, at->from, at->to, point);
+    else
+      add_face(h, at->corner == 0 ? at->from : point, at->corner == 0 ? point : at->from, 0);
+  }
   uint32_t kept = 0;
   for (uint32_t f = 0; f < h->count; ++f) {
     if (f < faces && h->facing[f]) continue;
@@ -92,7 +171,9 @@ static uint32_t farthest(const hull *h, uint32_t count, uint32_t corners, const 
 }
 
 static int begin(hull *h, uint32_t count) {
-  uint32_t of[4] = {0, 0, 0, 0};
+  uint32_t *of = h->first;
+  memset(of, 0, sizeof h->first);
+  h->count = 0;
   for (uint32_t corner = 1; corner <= h->dimension; ++corner) {
     of[corner] = farthest(h, count, corner, of);
     if (of[corner] == UINT32_MAX) return 0;
@@ -104,6 +185,19 @@ static int begin(hull *h, uint32_t count) {
   }
   add_face(h, of[0], of[1], of[2]);
   add_face(h, of[0], of[2], of[1]);
+  return 1;
+}
+
+static int is_corner_of_first(const hull *h, uint32_t point) {
+  return point == h->first[0] || point == h->first[1] ||
+         (h->dimension == 3 && point == h->first[2]);
+}
+
+/* Whether no point is before a face, but for what rounding does in faces that are not thin. */
+static int is_convex(const hull *h, uint32_t count) {
+  for (uint32_t f = 0; f < h->count; ++f)
+    for (uint32_t i = 0; i < count; ++i)
+      if (before(h, h->faces[f], h->points[i]) > 4 * h->rounding) return 0;
   return 1;
 }
 
@@ -142,30 +236,91 @@ static pbf_status check_desc(const pbf_hull_desc *desc) {
   return PBF_OK;
 }
 
-static pbf_status from_points(const pbf_hull_desc *desc, pbf_shape **shape) {
-  const uint32_t count = desc->point_count;
-  double(*points)[3] = calloc(count, sizeof *points);
-  hull h = {.dimension = desc->dimension, .points = (const double(*)[3])points};
-  h.faces = calloc(8 * (uint64_t)count + 8, sizeof *h.faces);
-  h.facing = calloc(8 * (uint64_t)count + 8, sizeof *h.facing);
-  pbf_status status = PBF_OK;
-  if (!points || !h.faces || !h.facing)
-    status = pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for a hull of %u points", count);
+static void free_hull(hull *h) {
+  free(h->points);
+  free(h->faces);
+  free(h->facing);
+  free(h->horizon);
+  free(h->next);
+  free(h->piece);
+}
+
+static pbf_status allocate(hull *h, uint32_t count) {
+  const uint64_t faces = 8 * (uint64_t)count + 8;
+  h->points = calloc(count, sizeof *h->points);
+  h->faces = calloc(faces, sizeof *h->faces);
+  h->facing = calloc(faces, sizeof *h->facing);
+  h->horizon = calloc(faces, sizeof *h->horizon);
+  h->next = calloc(count, sizeof *h->next);
+  h->piece = calloc(faces, sizeof *h->piece);
+  if (h->points && h->faces && h->facing && h->horizon && h->next && h->piece) return PBF_OK;
+  return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for a hull of %u points", count);
+}
+
+static void copy_points(hull *h, const pbf_hull_desc *desc) {
   double most = 0;
-  for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
+  for (uint32_t i = 0; i < desc->point_count; ++i)
     for (uint32_t k = 0; k < desc->dimension; ++k) {
-      points[i][k] = desc->points[(uint64_t)i * desc->dimension + k] + 0.0;
-      most = fmax(most, fabs(points[i][k]));
+      h->points[i][k] = desc->points[(uint64_t)i * desc->dimension + k] + 0.0;
+      most = fmax(most, fabs(h->points[i][k]));
     }
-  h.rounding = 1e-12 * most;
-  if (status == PBF_OK && !begin(&h, count))
-    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hull.points are all in one %s",
-                      desc->dimension == 3 ? "plane" : "line");
-  for (uint32_t i = 0; i < count && status == PBF_OK; ++i) add_point(&h, i);
-  if (status == PBF_OK) status = bake(&h, count, desc->cell, shape);
-  free(points);
-  free(h.faces);
-  free(h.facing);
+  h->rounding = 1e-12 * most;
+}
+
+/* To places that are whole multiples of a power of two, 2^16 of them over the longest side: sums
+ * and products of three differences are then exact, and so is which side of a face a point is on.
+ */
+static void round_points(hull *h, uint32_t count) {
+  double longest = 0;
+  int exponent;
+  for (uint32_t k = 0; k < h->dimension; ++k) {
+    double lower = h->points[0][k], upper = lower;
+    for (uint32_t i = 1; i < count; ++i) {
+      lower = fmin(lower, h->points[i][k]);
+      upper = fmax(upper, h->points[i][k]);
+    }
+    longest = fmax(longest, upper - lower);
+  }
+  frexp(longest, &exponent);
+  const double unit = ldexp(1, exponent - 16);
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0; k < h->dimension; ++k)
+      h->points[i][k] = unit * nearbyint(h->points[i][k] / unit) + 0.0;
+  h->rounding = 0;
+}
+
+static pbf_status find_hull(hull *h, uint32_t count) {
+  if (!begin(h, count))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hull.points are all in one %s",
+                    h->dimension == 3 ? "plane" : "line");
+  for (uint32_t i = 0; i < count; ++i)
+    if (!is_corner_of_first(h, i)) add_point(h, i);
+  return PBF_OK;
+}
+
+/* Points that are all but in one plane with others, as those of a box with noise, make faces as
+ * thin as rounding, of which a mesh may come out that is none: they are rounded then. */
+static pbf_status make(hull *h, const pbf_hull_desc *desc, pbf_shape **shape) {
+  const uint32_t count = desc->point_count;
+  pbf_status status = find_hull(h, count);
+  if (status != PBF_OK) return status;
+  if (is_convex(h, count)) {
+    status = bake(h, count, desc->cell, shape);
+    if (status != PBF_ERROR_INVALID_ARGUMENT) return status;
+  }
+  round_points(h, count);
+  status = find_hull(h, count);
+  return status == PBF_OK ? bake(h, count, desc->cell, shape) : status;
+}
+
+static pbf_status from_points(const pbf_hull_desc *desc, pbf_shape **shape) {
+  hull h = {.dimension = desc->dimension};
+  pbf_status status = allocate(&h, desc->point_count);
+  if (status == PBF_OK) {
+    copy_points(&h, desc);
+    status = make(&h, desc, shape);
+  }
+  free_hull(&h);
   return status;
 }
 
