@@ -2,6 +2,8 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -116,4 +118,22 @@ pbf_status pbf_check_counts(const pbf_count_rule *rules, size_t count, const cha
     if (status != PBF_OK) return status;
   }
   return PBF_OK;
+}
+
+/* As arrays of a program's lie: on 32-bit x86 doubles are aligned to 4 bytes. */
+static uint32_t alignment_of(uint32_t element_size) {
+  typedef struct behind_a_byte {
+    char byte;
+    double number;
+  } behind_a_byte;
+  const uint32_t most = offsetof(behind_a_byte, number);
+  return element_size < most ? element_size : most;
+}
+
+pbf_status pbf_check_pointer(const char *name, const void *values, uint32_t element_size) {
+  const uint32_t alignment = alignment_of(element_size);
+  if (!values) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
+  if ((uintptr_t)values % alignment == 0) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is %p; it must be aligned to %u bytes", name,
+                  (void *)(uintptr_t)values, alignment);
 }

@@ -58,4 +58,7 @@ extern const double pbf_check_most;
 /* Null when the number is finite in the solver's precision, else what it must be. */
 const char *pbf_check_finite(double value, uint32_t precision);
 
+/* Not null and aligned to its elements. */
+pbf_status pbf_check_pointer(const char *name, const void *values, uint32_t element_size);
+
 #endif

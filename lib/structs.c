@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 
 /* Far above any struct to come: a larger size is uninitialised memory. */
@@ -123,7 +124,7 @@ void pbf_struct_out(const pbf_struct_kind *kind, const void *ours, void *theirs,
 }
 
 pbf_status pbf_count_out(uint32_t number, uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  *count = number;
-  return PBF_OK;
+  const pbf_status status = pbf_check_pointer("count", count, sizeof *count);
+  if (status == PBF_OK) *count = number;
+  return status;
 }

@@ -1,6 +1,7 @@
 /* Changes to worlds between steps, from arrays of all worlds. */
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 #include "handles.h"
 #include "memory.h"
@@ -19,10 +20,9 @@ static pbf_status set_gravity(pbf_batch *batch, uint32_t world, void *context) {
 pbf_status pbf_batch_set_gravity(pbf_batch *batch, const uint8_t *mask, const double *gravity) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  if (gravity)
+  status = pbf_check_pointer("gravity", gravity, sizeof *gravity);
+  if (status == PBF_OK)
     status = pbf_batch_for_worlds(batch, mask, PBF_BY_CALLER, set_gravity, (void *)gravity);
-  else
-    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "gravity is null");
   return pbf_batch_leave(batch, status);
 }
 
@@ -100,10 +100,10 @@ pbf_status pbf_batch_move_colliders(pbf_batch *batch, const uint8_t *mask, uint3
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
   motion m = {count, positions, orientations, duration, NULL};
-  if (count > 0 && !positions)
-    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "positions is null");
-  else
-    status = move_all(batch, mask, &m);
+  if (count > 0) status = pbf_check_pointer("positions", positions, sizeof *positions);
+  if (status == PBF_OK && count > 0 && orientations)
+    status = pbf_check_pointer("orientations", orientations, sizeof *orientations);
+  if (status == PBF_OK) status = move_all(batch, mask, &m);
   return pbf_batch_leave(batch, status);
 }
 
@@ -127,9 +127,10 @@ static pbf_status add_particles(pbf_batch *batch, uint32_t world, void *context)
 static pbf_status emit(pbf_batch *batch, const uint32_t *counts, const void *positions,
                        const void *velocities) {
   void *memory;
-  if (!counts) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "counts is null");
   const uint64_t bytes = batch->world_count * sizeof(uint64_t);
-  pbf_status status = pbf_memory_allocate(&batch->allocator, bytes, "an emission", &memory);
+  pbf_status status = pbf_check_pointer("counts", counts, sizeof *counts);
+  if (status == PBF_OK)
+    status = pbf_memory_allocate(&batch->allocator, bytes, "an emission", &memory);
   if (status != PBF_OK) return status;
   uint64_t *firsts = memory, before = 0;
   for (uint32_t k = 0; k < batch->world_count; ++k) {

@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 #include "handles.h"
 #include "particles/values.h"
@@ -16,10 +17,9 @@ static pbf_status get_count(pbf_batch *batch, uint32_t world, void *context) {
 pbf_status pbf_batch_get_counts(pbf_batch *batch, uint32_t *counts) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  if (counts)
+  status = pbf_check_pointer("counts", counts, sizeof *counts);
+  if (status == PBF_OK)
     status = pbf_batch_for_worlds(batch, NULL, PBF_BY_CALLER, get_count, counts);
-  else
-    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "counts is null");
   return pbf_batch_leave(batch, status);
 }
 

@@ -1,4 +1,5 @@
 /* What a batch is, and what became of its worlds. */
+#include "check.h"
 #include "error.h"
 #include "handles.h"
 #include "structs.h"
@@ -41,10 +42,10 @@ pbf_status pbf_batch_get_world(pbf_batch *batch, uint32_t world, pbf_solver **so
 pbf_status pbf_batch_get_statuses(pbf_batch *batch, pbf_status *statuses) {
   pbf_status status = pbf_batch_enter(batch);
   if (status != PBF_OK) return status;
-  if (!statuses)
-    return pbf_batch_leave(batch, pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "statuses is null"));
-  for (uint32_t k = 0; k < batch->world_count; ++k) statuses[k] = batch->worlds[k].status;
-  return pbf_batch_leave(batch, PBF_OK);
+  status = pbf_check_pointer("statuses", statuses, sizeof *statuses);
+  for (uint32_t k = 0; k < batch->world_count && status == PBF_OK; ++k)
+    statuses[k] = batch->worlds[k].status;
+  return pbf_batch_leave(batch, status);
 }
 
 pbf_status pbf_batch_get_sentence(pbf_batch *batch, uint32_t world, const char **sentence) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 #include "solids.h"
 #include "particles/values.h"
@@ -106,7 +107,7 @@ pbf_status pbf_get_diffuse_info(pbf_solver *solver, pbf_diffuse_info *info) {
 
 static pbf_status check_lives(const pbf_solver *solver, uint32_t count, const void *lives) {
   char number[PBF_NUMBER_SIZE];
-  pbf_status status = pbf_values_check_pointer("lives", lives, pbf_element_size(solver));
+  pbf_status status = pbf_check_pointer("lives", lives, pbf_element_size(solver));
   if (status == PBF_OK) status = pbf_values_check_numbers(solver, "lives", lives, count);
   for (uint32_t i = 0; status == PBF_OK && i < count; ++i) {
     const double life = pbf_value_at(lives, i, solver->kind.precision);
@@ -124,10 +125,9 @@ static pbf_status check_added(const pbf_solver *solver, uint32_t count, const vo
     return pbf_fail(PBF_ERROR_CAPACITY, "count is %u; desc.capacity of pbf_set_diffuse is %u",
                     count, capacity);
   if (count == 0) return PBF_OK;
-  pbf_status status = pbf_values_check_pointer("positions", positions, size);
+  pbf_status status = pbf_check_pointer("positions", positions, size);
   if (status == PBF_OK) status = pbf_values_check_finite(solver, "positions", positions, count, 0);
-  if (status == PBF_OK && velocities)
-    status = pbf_values_check_pointer("velocities", velocities, size);
+  if (status == PBF_OK && velocities) status = pbf_check_pointer("velocities", velocities, size);
   if (status == PBF_OK && velocities)
     status = pbf_values_check_finite(solver, "velocities", velocities, count, 0);
   if (status == PBF_OK) status = check_lives(solver, count, lives);
@@ -168,7 +168,8 @@ pbf_status pbf_add_diffuse(pbf_solver *solver, uint32_t count, const void *posit
 static pbf_status shift(pbf_solver *solver, const double *way) {
   char number[PBF_NUMBER_SIZE];
   pbf_diffuse *d = solver->diffuse;
-  if (!way) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "way is null");
+  pbf_status status = pbf_check_pointer("way", way, sizeof *way);
+  if (status != PBF_OK) return status;
   for (uint32_t k = 0; k < solver->kind.dimension; ++k)
     if (!(fabs(way[k]) <= pbf_check_most))
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

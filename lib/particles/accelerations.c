@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 #include "memory.h"
 #include "particles.h"
@@ -106,7 +107,7 @@ static pbf_status set(pbf_solver *solver, uint32_t first, uint32_t count, const 
   if (!in) return clear(solver, first, count);
   status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("accelerations", in, pbf_element_size(solver));
+  status = pbf_check_pointer("accelerations", in, pbf_element_size(solver));
   if (status == PBF_OK) status = pbf_values_check_finite(solver, "accelerations", in, count, first);
   if (status == PBF_OK && !solver->accelerations)
     status = pbf_memory_allocate(&solver->allocator, pbf_accelerations_bytes(solver),

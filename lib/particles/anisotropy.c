@@ -6,6 +6,7 @@
 #include "cells.h"
 #include "compiler.h"
 #include "eigen.h"
+#include "check.h"
 #include "error.h"
 #include "memory.h"
 #include "particles.h"
@@ -48,10 +49,9 @@ static pbf_status check_place(const pbf_solver *solver, const pbf_anisotropy_des
                     "anisotropy.positions and anisotropy.stretches are null; at least one is to be "
                     "written to");
   pbf_status status = PBF_OK;
-  if (desc->positions)
-    status = pbf_values_check_pointer("anisotropy.positions", desc->positions, size);
+  if (desc->positions) status = pbf_check_pointer("anisotropy.positions", desc->positions, size);
   if (status == PBF_OK && desc->stretches)
-    status = pbf_values_check_pointer("anisotropy.stretches", desc->stretches, size);
+    status = pbf_check_pointer("anisotropy.stretches", desc->stretches, size);
   return status;
 }
 

@@ -1,6 +1,7 @@
 /* Particles by where they are: those in a box. */
 #include <math.h>
 
+#include "check.h"
 #include "error.h"
 #include "numbers.h"
 #include "row_set.h"
@@ -14,6 +15,9 @@ static pbf_status check_box(const pbf_solver *solver, const double *lower, const
   if (!lower || !upper)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it is a corner of the box",
                     lower ? "upper" : "lower");
+  pbf_status status = pbf_check_pointer("lower", lower, sizeof *lower);
+  if (status == PBF_OK) status = pbf_check_pointer("upper", upper, sizeof *upper);
+  if (status != PBF_OK) return status;
   for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
     if (lower[k] <= upper[k]) continue;
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
@@ -51,9 +55,9 @@ static pbf_status find(pbf_solver *solver, const double *lower, const double *up
 static pbf_status find_in_box(pbf_solver *solver, const double *lower, const double *upper,
                               uint32_t room, uint32_t *ids, uint32_t *count) {
   pbf_row_set inside;
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  pbf_status status = check_box(solver, lower, upper);
-  if (status == PBF_OK && room > 0) status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  pbf_status status = pbf_check_pointer("count", count, sizeof *count);
+  if (status == PBF_OK) status = check_box(solver, lower, upper);
+  if (status == PBF_OK && room > 0) status = pbf_check_pointer("ids", ids, sizeof *ids);
   if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
   if (status != PBF_OK) return status;
   status = find(solver, lower, upper, &inside);
@@ -76,6 +80,7 @@ static pbf_status remove_in_box(pbf_solver *solver, const double *lower, const d
                                 uint32_t *count) {
   pbf_row_set inside;
   pbf_status status = pbf_check_unmapped(solver);
+  if (status == PBF_OK && count) status = pbf_check_pointer("count", count, sizeof *count);
   if (status == PBF_OK) status = check_box(solver, lower, upper);
   if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
   if (status != PBF_OK) return status;

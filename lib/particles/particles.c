@@ -1,6 +1,7 @@
 /* Reading and overwriting rows of particles. */
 #include "particles.h"
 
+#include "check.h"
 #include "error.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
@@ -31,7 +32,7 @@ static pbf_status read_rows(pbf_solver *solver, uint32_t field, const char *name
                             uint32_t count, void *out) {
   pbf_status status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer(name, out, pbf_element_size(solver));
+  status = pbf_check_pointer(name, out, pbf_element_size(solver));
   if (status != PBF_OK) return status;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
   return read_backend(solver, field, &rows, out);
@@ -42,7 +43,7 @@ static pbf_status check_written(pbf_solver *solver, uint32_t field, const char *
   pbf_status status = pbf_check_unmapped(solver);
   if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer(name, in, pbf_element_size(solver));
+  status = pbf_check_pointer(name, in, pbf_element_size(solver));
   if (status != PBF_OK) return status;
   return field == PBF_FIELD_POSITION ? pbf_values_check_positions(solver, in, count, first)
                                      : pbf_values_check_finite(solver, name, in, count, first);
@@ -152,7 +153,7 @@ pbf_status pbf_set_velocities(pbf_solver *solver, uint32_t first, uint32_t count
 static pbf_status get_ids(const pbf_solver *solver, uint32_t first, uint32_t count, uint32_t *ids) {
   pbf_status status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  status = pbf_check_pointer("ids", ids, sizeof *ids);
   if (status != PBF_OK) return status;
   for (uint32_t i = 0; i < count; ++i) ids[i] = pbf_ids_of_row(solver, first + i);
   return PBF_OK;

@@ -202,7 +202,7 @@ static pbf_status set_rows(pbf_solver *solver, uint32_t first, uint32_t count, c
   pbf_status status = pbf_check_unmapped(solver);
   if (status == PBF_OK) status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("phases", in, sizeof *in);
+  status = pbf_check_pointer("phases", in, sizeof *in);
   if (status != PBF_OK) return status;
   if (!phases)
     return pbf_fail(PBF_ERROR_STATE, "the solver has no phases; pbf_set_phases gives it some");
@@ -229,7 +229,7 @@ static pbf_status get_rows(const pbf_solver *solver, uint32_t first, uint32_t co
                            uint32_t *out) {
   pbf_status status = pbf_check_rows(solver, first, count);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("phases", out, sizeof *out);
+  status = pbf_check_pointer("phases", out, sizeof *out);
   if (status != PBF_OK) return status;
   for (uint32_t i = 0; i < count; ++i)
     out[i] = solver->phases ? solver->phases->rows[first + i] : 0;

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 
 #include "coincident.h"
+#include "check.h"
 #include "error.h"
 #include "memory.h"
 #include "phases.h"
@@ -33,10 +34,10 @@ static pbf_status check_capacity(const pbf_solver *solver, uint32_t count) {
 static pbf_status check_new(const pbf_solver *solver, uint32_t count, const void *positions,
                             const void *velocities) {
   uint32_t size = pbf_element_size(solver);
-  pbf_status status = pbf_values_check_pointer("positions", positions, size);
+  pbf_status status = pbf_check_pointer("positions", positions, size);
   if (status == PBF_OK) status = pbf_values_check_positions(solver, positions, count, 0);
   if (status != PBF_OK || !velocities) return status;
-  status = pbf_values_check_pointer("velocities", velocities, size);
+  status = pbf_check_pointer("velocities", velocities, size);
   if (status == PBF_OK)
     status = pbf_values_check_finite(solver, "velocities", velocities, count, 0);
   return status;
@@ -96,6 +97,8 @@ static pbf_status add(pbf_solver *solver, uint32_t count, const void *positions,
                       const void *velocities, uint32_t *first_id) {
   uint64_t first = solver->next_id;
   pbf_status status = pbf_check_unmapped(solver);
+  if (status == PBF_OK && first_id)
+    status = pbf_check_pointer("first_id", first_id, sizeof *first_id);
   if (status == PBF_OK) status = check_capacity(solver, count);
   if (status == PBF_OK && count > 0) {
     status = check_new(solver, count, positions, velocities);

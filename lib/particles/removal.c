@@ -1,4 +1,5 @@
 /* Removing particles by their ids. */
+#include "check.h"
 #include "error.h"
 #include "row_set.h"
 #include "solver/handles.h"
@@ -24,7 +25,7 @@ static pbf_status remove_particles(pbf_solver *solver, uint32_t count, const uin
   pbf_row_set removed;
   pbf_status status = pbf_check_unmapped(solver);
   if (status != PBF_OK || count == 0) return status;
-  status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  status = pbf_check_pointer("ids", ids, sizeof *ids);
   if (status != PBF_OK) return status;
   if (count > solver->count) {
     return pbf_fail(PBF_ERROR_NOT_FOUND, "count is %u; the solver holds %u particles", count,

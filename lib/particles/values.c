@@ -19,24 +19,6 @@ double pbf_value_at(const void *values, uint64_t index, uint32_t precision) {
                                   : ((const double *)values)[index];
 }
 
-/* As arrays of a program's lie: on 32-bit x86 doubles are aligned to 4 bytes. */
-static uint32_t alignment_of(uint32_t element_size) {
-  typedef struct behind_a_byte {
-    char byte;
-    double number;
-  } behind_a_byte;
-  const uint32_t most = offsetof(behind_a_byte, number);
-  return element_size < most ? element_size : most;
-}
-
-pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size) {
-  const uint32_t alignment = alignment_of(element_size);
-  if (!values) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
-  if ((uintptr_t)values % alignment == 0) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is %p; it must be aligned to %u bytes", name,
-                  (void *)(uintptr_t)values, alignment);
-}
-
 pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t stride,
                                    uint64_t least, uint32_t element_size) {
   char name[16];
@@ -46,7 +28,7 @@ pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t 
                     " up to 4294967295, or 0 for no gap",
                     call, stride, element_size, least);
   pbf_text_write(name, sizeof name, "%s.data", call);
-  return pbf_values_check_pointer(name, data, element_size);
+  return pbf_check_pointer(name, data, element_size);
 }
 
 /* `count` where all are at most that in size; NaN is not. */

@@ -18,9 +18,6 @@ pbf_status pbf_values_check_numbers(const pbf_solver *solver, const char *name, 
 /* Number `index` of an array of the precision. */
 double pbf_value_at(const void *values, uint64_t index, uint32_t precision);
 
-/* Not null and aligned to its elements. */
-pbf_status pbf_values_check_pointer(const char *name, const void *values, uint32_t element_size);
-
 /* Where rows of `least` bytes lie in the caller's array: `call`.data and .stride, which 0 stands
  * for no gap. */
 pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t stride,

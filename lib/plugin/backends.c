@@ -1,6 +1,7 @@
 /* The public list of backends. */
 #include <string.h>
 
+#include "check.h"
 #include "desc.h"
 #include "error.h"
 #include "lock.h"
@@ -10,8 +11,8 @@
 #include "text.h"
 
 pbf_status pbf_get_backend_count(uint32_t *count) {
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  pbf_status status = pbf_lock_check();
+  pbf_status status = pbf_check_pointer("count", count, sizeof *count);
+  if (status == PBF_OK) status = pbf_lock_check();
   if (status == PBF_OK) *count = pbf_registry_count();
   return status;
 }

@@ -1,4 +1,5 @@
 /* Which particles are in a volume. */
+#include "check.h"
 #include "error.h"
 #include "particles/numbers.h"
 #include "particles/row_set.h"
@@ -27,9 +28,9 @@ static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t ca
                        uint32_t *ids, uint32_t *count) {
   pbf_row_set inside;
   pbf_volume volume;
-  if (!count) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is null");
-  pbf_status status = pbf_volumes_in(solver->kind, "volume", 1, theirs, &volume);
-  if (status == PBF_OK && capacity > 0) status = pbf_values_check_pointer("ids", ids, sizeof *ids);
+  pbf_status status = pbf_check_pointer("count", count, sizeof *count);
+  if (status == PBF_OK) status = pbf_volumes_in(solver->kind, "volume", 1, theirs, &volume);
+  if (status == PBF_OK && capacity > 0) status = pbf_check_pointer("ids", ids, sizeof *ids);
   if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
   if (status != PBF_OK) return status;
   const pbf_volume_frame frame = pbf_volume_frame_of(&volume, solver->kind.dimension);

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "check.h"
 #include "error.h"
 #include "particles/values.h"
 #include "text.h"
@@ -11,7 +12,7 @@ pbf_status pbf_query_check_points(const pbf_solver *solver, const char *name, ui
   const uint32_t n = solver->kind.dimension;
   char number[PBF_NUMBER_SIZE];
   if (count == 0) return PBF_OK;
-  pbf_status status = pbf_values_check_pointer(name, points, sizeof *points);
+  pbf_status status = pbf_check_pointer(name, points, sizeof *points);
   if (status != PBF_OK) return status;
   for (uint64_t i = 0; i < (uint64_t)count * n; ++i)
     if (!(fabs(points[i]) <= pbf_check_most))

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "check.h"
 #include "error.h"
 #include "particles/values.h"
 #include "points.h"
@@ -139,36 +140,45 @@ static double meet(pbf_query_place *place, ray *r) {
 
 /* ---- Rays ------------------------------------------------------------------------------------ */
 
-static pbf_status set_direction(const pbf_solver *solver, ray *r, const double *direction,
-                                uint32_t i) {
+/* Reads each number once: arrays may overlap, and another thread may write there. */
+static double read_direction(const pbf_solver *solver, const double *direction, ray *r) {
   double square = 0;
-  for (uint32_t k = 0; k < solver->kind.dimension; ++k) square += direction[k] * direction[k];
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+    r->direction[k] = ((const volatile double *)direction)[k];
+    square += r->direction[k] * r->direction[k];
+  }
   const double length = sqrt(square);
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) r->direction[k] /= length;
+  return length;
+}
+
+static int is_length(double length) { return length > 0 && isfinite(length); }
+
+static pbf_status check_direction(const pbf_solver *solver, const double *direction, uint32_t i) {
+  ray r;
+  const double length = read_direction(solver, direction, &r);
   char number[PBF_NUMBER_SIZE];
-  if (!(length > 0 && isfinite(length)))
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "directions[%u] has the length %s; it must be above 0 and finite", i,
-                    pbf_text_number(number, length));
-  for (uint32_t k = 0; k < solver->kind.dimension; ++k) r->direction[k] = direction[k] / length;
-  return PBF_OK;
+  if (is_length(length)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "directions[%u] has the length %s; it must be above 0 and finite", i,
+                  pbf_text_number(number, length));
 }
 
 static pbf_status check_rays(const pbf_solver *solver, uint32_t count, const double *origins,
                              const double *directions, double length, const double *distances,
                              const double *normals) {
   char number[PBF_NUMBER_SIZE];
-  ray r;
   pbf_status status = pbf_query_check_points(solver, "origins", count, origins);
   if (status == PBF_OK) status = pbf_query_check_points(solver, "directions", count, directions);
   for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
-    status = set_direction(solver, &r, directions + (uint64_t)i * solver->kind.dimension, i);
+    status = check_direction(solver, directions + (uint64_t)i * solver->kind.dimension, i);
   if (status == PBF_OK && !(length > 0))
     status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "length is %s; it must be above 0, or INFINITY",
                       pbf_text_number(number, length));
   if (status == PBF_OK && count > 0)
-    status = pbf_values_check_pointer("distances", distances, sizeof *distances);
+    status = pbf_check_pointer("distances", distances, sizeof *distances);
   if (status == PBF_OK && count > 0 && normals)
-    status = pbf_values_check_pointer("normals", normals, sizeof *normals);
+    status = pbf_check_pointer("normals", normals, sizeof *normals);
   return status;
 }
 
@@ -184,6 +194,17 @@ static void write_normal(pbf_query_place *place, const ray *r, double distance, 
   for (uint32_t k = 0; k < n && square > 0; ++k) normal[k] = -gradient[k] / sqrt(square);
 }
 
+/* What was a ray when it was checked may be none by now: then it meets nothing. */
+static int read_ray(const pbf_solver *solver, const double *origin, const double *direction,
+                    ray *r) {
+  int is_finite = 1;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+    r->origin[k] = ((const volatile double *)origin)[k];
+    is_finite &= isfinite(r->origin[k]);
+  }
+  return is_length(read_direction(solver, direction, r)) && is_finite;
+}
+
 static pbf_status cast(pbf_solver *solver, uint32_t count, const double *origins,
                        const double *directions, double length, double *distances,
                        double *normals) {
@@ -193,11 +214,11 @@ static pbf_status cast(pbf_solver *solver, uint32_t count, const double *origins
   if (status == PBF_OK) status = pbf_query_index_get(solver, 0, &place.index);
   for (uint32_t i = 0; i < count && status == PBF_OK; ++i) {
     ray r = {.end = length};
-    for (uint32_t k = 0; k < n; ++k) r.origin[k] = origins[(uint64_t)i * n + k];
-    set_direction(solver, &r, directions + (uint64_t)i * n, i);
-    const double distance = place.index->count > 0 ? meet(&place, &r) : INFINITY;
+    const uint64_t at = (uint64_t)i * n;
+    const int meets = read_ray(solver, origins + at, directions + at, &r);
+    const double distance = meets && place.index->count > 0 ? meet(&place, &r) : INFINITY;
     distances[i] = distance;
-    if (normals) write_normal(&place, &r, distance, normals + (uint64_t)i * n);
+    if (normals) write_normal(&place, &r, distance, normals + at);
   }
   return status;
 }
@@ -253,8 +274,7 @@ static pbf_status get_levels(pbf_solver *solver, uint32_t count, const double *p
   double up[3];
   pbf_status status = find_up(solver, up);
   if (status == PBF_OK) status = pbf_query_check_points(solver, "points", count, points);
-  if (status == PBF_OK && count > 0)
-    status = pbf_values_check_pointer("levels", levels, sizeof *levels);
+  if (status == PBF_OK && count > 0) status = pbf_check_pointer("levels", levels, sizeof *levels);
   if (status == PBF_OK) status = pbf_query_index_get(solver, 0, &place.index);
   for (uint32_t i = 0; i < count && status == PBF_OK; ++i)
     levels[i] = place.index->count > 0 ? level_at(&place, points + (uint64_t)i * n, up) : NAN;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "check.h"
 #include "error.h"
 #include "particles/values.h"
 #include "points.h"
@@ -38,7 +39,7 @@ static void sample_at(pbf_query_place *place, const double *point, const pbf_sam
 /* ---- Points ---------------------------------------------------------------------------------- */
 
 static pbf_status check_target(const char *name, const double *array) {
-  return array ? pbf_values_check_pointer(name, array, sizeof *array) : PBF_OK;
+  return array ? pbf_check_pointer(name, array, sizeof *array) : PBF_OK;
 }
 
 static pbf_status check_targets(const pbf_samples *samples) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "grid.h"
 #include "lock.h"
@@ -149,10 +150,9 @@ static pbf_status check_desc(const pbf_mesh_desc *desc) {
   pbf_status status = pbf_shape_check_size("mesh", desc->dimension, some);
   if (status == PBF_OK) status = pbf_shape_check_place("mesh", 0, nothing, desc->cell);
   if (status != PBF_OK) return status;
-  if (!desc->vertices || !desc->faces) {
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "mesh.%s is null",
-                    desc->vertices ? "faces" : "vertices");
-  }
+  status = pbf_check_pointer("mesh.vertices", desc->vertices, sizeof *desc->vertices);
+  if (status == PBF_OK) status = pbf_check_pointer("mesh.faces", desc->faces, sizeof *desc->faces);
+  if (status != PBF_OK) return status;
   if (desc->face_count < 1 || desc->face_count > PBF_MAX_SHAPE_NODES || desc->vertex_count < 1 ||
       desc->vertex_count > PBF_MAX_SHAPE_NODES) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "lock.h"
 #include "registry.h"
@@ -75,9 +76,10 @@ pbf_status pbf_get_shape_distance(pbf_shape *shape, const double *point, double 
                                   double *normal) {
   pbf_status status = pbf_lock_check();
   if (status != PBF_OK) return status;
-  if (!point || !distance)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", point ? "distance" : "point");
-  status = pbf_shape_hold(shape, "shape");
+  status = pbf_check_pointer("point", point, sizeof *point);
+  if (status == PBF_OK) status = pbf_check_pointer("distance", distance, sizeof *distance);
+  if (status == PBF_OK && normal) status = pbf_check_pointer("normal", normal, sizeof *normal);
+  if (status == PBF_OK) status = pbf_shape_hold(shape, "shape");
   if (status != PBF_OK) return status;
   const pbf_fp_environment before = pbf_fp_begin();
   status = get_distance(shape, point, distance, normal);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "fnv.h"
 #include "lock.h"
@@ -221,8 +222,8 @@ static pbf_status check_desc(const pbf_grid_desc *grid) {
   pbf_status status = pbf_shape_check_size("grid", grid->dimension, grid->nodes);
   if (status == PBF_OK)
     status = pbf_shape_check_place("grid", grid->dimension, grid->origin, grid->cell);
-  if (status != PBF_OK || grid->values) return status;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "grid.values is null");
+  if (status != PBF_OK) return status;
+  return pbf_check_pointer("grid.values", grid->values, sizeof *grid->values);
 }
 
 static pbf_status from_grid(const pbf_grid_desc *grid, pbf_shape **shape) {

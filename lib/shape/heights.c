@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "grid.h"
 #include "lock.h"
@@ -16,8 +17,9 @@ static pbf_status check_desc(const pbf_heights_desc *desc) {
   uint64_t all = 1;
   pbf_status status = pbf_shape_check_size("heights", desc->dimension, some);
   if (status == PBF_OK) status = pbf_shape_check_place("heights", 0, nothing, desc->cell);
+  if (status == PBF_OK)
+    status = pbf_check_pointer("heights.heights", desc->heights, sizeof *desc->heights);
   if (status != PBF_OK) return status;
-  if (!desc->heights) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "heights.heights is null");
   if (!(desc->spacing > 1e-30 && desc->spacing < 1e20)) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "heights.spacing is %s; it must be a length between 1e-30 and 1e20",

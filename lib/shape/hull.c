@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "grid.h"
 #include "lock.h"
@@ -220,8 +221,9 @@ static pbf_status check_desc(const pbf_hull_desc *desc) {
   char number[PBF_NUMBER_SIZE];
   pbf_status status = pbf_shape_check_size("hull", desc->dimension, some);
   if (status == PBF_OK) status = pbf_shape_check_place("hull", 0, nothing, desc->cell);
+  if (status == PBF_OK)
+    status = pbf_check_pointer("hull.points", desc->points, sizeof *desc->points);
   if (status != PBF_OK) return status;
-  if (!desc->points) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hull.points is null");
   if (desc->point_count <= desc->dimension || desc->point_count > MOST_POINTS) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hull.point_count is %u; it must be %u … %u",
                     desc->point_count, desc->dimension + 1, MOST_POINTS);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "check.h"
 #include "error.h"
 #include "grid.h"
 #include "lock.h"
@@ -55,8 +56,8 @@ static pbf_status save(const pbf_shape *s, void *buffer, uint64_t *size) {
 pbf_status pbf_save_shape(pbf_shape *shape, void *buffer, uint64_t *size) {
   pbf_status status = pbf_lock_check();
   if (status != PBF_OK) return status;
-  if (!size) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "size is null");
-  status = pbf_shape_hold(shape, "shape");
+  status = pbf_check_pointer("size", size, sizeof *size);
+  if (status == PBF_OK) status = pbf_shape_hold(shape, "shape");
   if (status != PBF_OK) return status;
   status = save(shape, buffer, size);
   pbf_shape_let_go(shape);
@@ -66,8 +67,8 @@ pbf_status pbf_save_shape(pbf_shape *shape, void *buffer, uint64_t *size) {
 pbf_status pbf_get_shape_values(pbf_shape *shape, uint64_t count, float *values) {
   pbf_status status = pbf_lock_check();
   if (status != PBF_OK) return status;
-  if (!values) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "values is null");
-  status = pbf_shape_hold(shape, "shape");
+  status = pbf_check_pointer("values", values, sizeof *values);
+  if (status == PBF_OK) status = pbf_shape_hold(shape, "shape");
   if (status != PBF_OK) return status;
   const uint64_t nodes = pbf_shape_nodes(shape->nodes);
   if (count == nodes)

@@ -5,6 +5,7 @@
 
 #include "backend_call.h"
 #include "collider.h"
+#include "check.h"
 #include "error.h"
 #include "handles.h"
 #include "params.h"
@@ -126,8 +127,8 @@ void pbf_check_step_length(pbf_solver *solver) {
 static pbf_status get_step_limit(pbf_solver *solver, double *limit) {
   uint32_t cause;
   double speed;
-  if (!limit) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "limit is null");
-  pbf_status status = pbf_max_speed(solver, &speed);
+  pbf_status status = pbf_check_pointer("limit", limit, sizeof *limit);
+  if (status == PBF_OK) status = pbf_max_speed(solver, &speed);
   if (status != PBF_OK) return status;
   const pbf_step_limits limits = pbf_step_limits_of(solver, speed);
   *limit = pbf_shortest_limit(&limits, &cause);

@@ -1,6 +1,7 @@
 /* Hash of the state: step (8 bytes), count (4 bytes), ids, positions, velocities, and what comes
  * and goes, and phases, where there are any. */
 #include "emission/saved.h"
+#include "check.h"
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
@@ -55,14 +56,15 @@ static pbf_status add_phases(const pbf_solver *solver, uint64_t *hash) {
 }
 
 static pbf_status hash_state(pbf_solver *solver, uint64_t *theirs) {
-  if (!theirs) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "hash is null");
+  pbf_status status = pbf_check_pointer("hash", theirs, sizeof *theirs);
+  if (status != PBF_OK) return status;
   uint64_t hash = pbf_fnv(PBF_FNV_START, &solver->step, sizeof solver->step);
   hash = pbf_fnv(hash, &solver->count, sizeof solver->count);
   for (uint32_t row = 0; row < solver->count; ++row) {
     uint32_t id = pbf_ids_of_row(solver, row);
     hash = pbf_fnv(hash, &id, sizeof id);
   }
-  pbf_status status = add_particles(solver, &hash);
+  status = add_particles(solver, &hash);
   if (status == PBF_OK) status = add_emission(solver, &hash);
   if (status == PBF_OK) status = add_phases(solver, &hash);
   if (status == PBF_OK) *theirs = hash;

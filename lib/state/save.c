@@ -3,6 +3,7 @@
 
 #include "diffuse/diffuse.h"
 #include "emission/saved.h"
+#include "check.h"
 #include "error.h"
 #include "fnv.h"
 #include "memory.h"
@@ -115,7 +116,8 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
 }
 
 static pbf_status save(pbf_solver *solver, void *buffer, uint64_t *size) {
-  if (!size) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "size is null");
+  pbf_status status = pbf_check_pointer("size", size, sizeof *size);
+  if (status != PBF_OK) return status;
   if (pbf_has_accelerations(solver))
     return pbf_fail(PBF_ERROR_STATE,
                     "particles have accelerations, which a saved state does not hold; "
@@ -125,7 +127,7 @@ static pbf_status save(pbf_solver *solver, void *buffer, uint64_t *size) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "*size is %" PRIu64 "; the state needs %" PRIu64,
                     *size, header.size);
   }
-  pbf_status status = buffer ? write_state(solver, &header, buffer) : PBF_OK;
+  status = buffer ? write_state(solver, &header, buffer) : PBF_OK;
   if (status == PBF_OK) *size = header.size;
   return status;
 }
