@@ -1,7 +1,7 @@
 """What callers pass as arrays, as NumPy's; memory of the library, as NumPy's."""
 from __future__ import annotations
 
-from typing import Any, Protocol, Union
+from typing import Any, Literal, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -86,6 +86,24 @@ def real_numbers(name: str, array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
+def packed(name: str, array: NDArray[Any], dtype: DTypeLike, order: Literal["C", "F"] = "C"
+           ) -> NDArray[Any]:
+    """As the library reads it, of this type, without gaps and aligned: no copy where it is so. What the
+    type does not hold is told by the number that was given."""
+    given = real_numbers(name, array)
+    with np.errstate(over="ignore", invalid="ignore"):
+        cast: NDArray[Any] = np.require(given, dtype, [order, "A", "E"])
+    if given.dtype.kind == "f" and given.dtype.itemsize > cast.dtype.itemsize:
+        lost = np.isfinite(given) & ~np.isfinite(cast)
+        if lost.any():
+            at = tuple(int(index) for index in np.argwhere(lost)[0])
+            place = "".join(f"[{index}]" for index in at)
+            raise InvalidArgumentError(
+                f"{name}{place} is {given[at]}; it must be a number that {cast.dtype.name} holds, at "
+                f"most {np.finfo(cast.dtype).max:.2g} in size")
+    return cast
+
+
 def rows_of(name: str, array: AnyArray, dimension: int, dtype: DTypeLike) -> NDArray[Any]:
     """An array of shape (count, dimension), as the library reads it: no copy where it is so."""
     given = numpy_of(name, array)
@@ -94,7 +112,7 @@ def rows_of(name: str, array: AnyArray, dimension: int, dtype: DTypeLike) -> NDA
     if given.ndim != 2 or given.shape[1] != dimension:
         raise InvalidArgumentError(
             f"{name} has the shape {given.shape}; this solver wants (count, {dimension})")
-    return np.ascontiguousarray(real_numbers(name, given), dtype)
+    return packed(name, given, dtype)
 
 
 def ids_of(ids: AnyArray) -> NDArray[np.uint32]:
@@ -102,7 +120,7 @@ def ids_of(ids: AnyArray) -> NDArray[np.uint32]:
     if given.size and (given.dtype.kind not in "iu" or given.min() < 0
                        or given.max() > np.iinfo(np.uint32).max):
         raise InvalidArgumentError(f"ids are of {given.dtype}; they must be integers, 0 … 4294967295")
-    return np.ascontiguousarray(given, np.uint32).reshape(-1)
+    return np.require(given, np.uint32, ["C", "A", "E"]).reshape(-1)
 
 
 def pointer(array: NDArray[Any]) -> Any:

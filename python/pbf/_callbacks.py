@@ -6,7 +6,9 @@ import weakref
 from collections.abc import Callable
 from typing import Any
 
+from ._errors import InvalidArgumentError
 from ._library import ffi, lib, text
+from ._numbers import shown
 
 Log = Callable[[int, str], None]
 
@@ -23,6 +25,9 @@ class Told:
     of what has it does, the collector frees both."""
 
     def __init__(self, log: Log | None) -> None:
+        if log is not None and not callable(log):
+            raise InvalidArgumentError(
+                f"log is {shown(log)}; it must be a function of a level and a sentence, or None")
         self.log = log
 
 

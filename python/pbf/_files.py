@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import pathlib
 import shutil
@@ -14,18 +15,25 @@ def _in_place(path: str) -> bool:
     return path.startswith(("/dev/", "/proc/")) or (os.path.exists(path) and not os.path.isfile(path))
 
 
+_number = itertools.count()
+
+
 def _beside(target: pathlib.Path) -> pathlib.Path | None:
-    """An empty file with the same ending, by which some writers choose; None in a folder where none
-    can be made, though the file that is there can perhaps be written."""
-    fresh = target.with_name(f"{target.stem}.{os.getpid()}.new{target.suffix}")
-    try:
-        fresh.unlink(missing_ok=True)  # of a process that has ended
-        fresh.touch(exist_ok=False)
-    except OSError as error:
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG):
-            return None
-        raise
-    return fresh
+    """An empty file with the same ending, by which some writers choose, and a name that no other thread,
+    or process of this number in a container, writes to; None in a folder where none can be made, though
+    the file that is there can perhaps be written."""
+    while True:
+        name = f"{target.stem}.{os.getpid()}.{next(_number)}.new{target.suffix}"
+        fresh = target.with_name(name)
+        try:
+            fresh.touch(exist_ok=False)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG):
+                return None
+            raise
+        return fresh
 
 
 def _take_its_place(fresh: pathlib.Path, target: pathlib.Path) -> None:

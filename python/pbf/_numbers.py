@@ -6,6 +6,7 @@ import operator
 from collections.abc import Sequence
 from typing import Any, Union
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError
@@ -41,8 +42,16 @@ def uint32(name: str, value: Any) -> int:
     return integer(name, value, UINT32_MAX)
 
 
+def _is_real(value: Any) -> bool:
+    """NumPy makes a float of complex numbers, and of what a mask hides, as well."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.dtype.kind in "biuf" and value.size == 1 and not np.ma.is_masked(value)
+    return hasattr(value, "__float__") and not (
+        isinstance(value, numbers.Complex) and not isinstance(value, numbers.Real))
+
+
 def real(name: str, value: Any) -> float:
-    if isinstance(value, numbers.Real) or hasattr(value, "__float__"):
+    if _is_real(value):
         try:
             return float(value)
         except (TypeError, ValueError, OverflowError):

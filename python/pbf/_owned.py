@@ -12,6 +12,15 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+class Uncopied:
+    """What holds memory of the library: a copy would hold the same, and free it once more, or not know
+    that it is gone."""
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError(f"a {type(self).__name__} can't be copied or pickled, as it holds memory of the "
+                        "library; arrays of it can, and saved states")
+
+
 class Owned:
     """A handle that its finalizer frees: at `close`, at the end of a `with` block, or when nothing
     refers to it."""

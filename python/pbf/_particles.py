@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -65,8 +66,9 @@ class Particles(Reading):
         for name, given, none in (("lower", lower, -math.inf), ("upper", upper, math.inf)):
             values = [none] * 3
             if given is not None:
-                listed = [none if value is None else value for value in given]
-                values[:self.dimension] = reals(name, listed, (self.dimension,))
+                if isinstance(given, Iterable):
+                    given = [none if value is None else value for value in given]
+                values[:self.dimension] = reals(name, given, (self.dimension,))
             corners.append(ffi.new("double[3]", values))
         return corners[0], corners[1]
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from ._arrays import AnyArray, host_memory_of, numpy_of, pointer, real_numbers
+from ._arrays import AnyArray, host_memory_of, numpy_of, packed, pointer, real_numbers
 from ._choices import FIELDS, ORDERS, W, choice, element_type
 from ._device import DeviceArray, SupportsCuda, device_array_of, place
 from ._errors import InvalidArgumentError, StateError
@@ -123,7 +123,8 @@ class Reading(Handle):
         if found is None:
             given = real_numbers("array", numpy_of("array", array))
             own = given.dtype.name in ("float32", "float64") and given.dtype.isnative
-            found = given if own else given.astype(self.dtype)
+            aligned = given if given.flags.aligned else given.copy()
+            found = aligned if own else packed("array", given, self.dtype)
         if found.ndim != 2 or not self.dimension <= found.shape[1] <= 4:
             raise InvalidArgumentError(
                 f"array has the shape {found.shape}; it must be (count, {self.dimension} … 4)")

@@ -1,6 +1,7 @@
 """Many worlds of one kind: `Batch`."""
 from __future__ import annotations
 
+import operator
 import weakref
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
@@ -9,14 +10,14 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from . import params as parameters
-from ._arrays import CPU, AnyArray, numpy_of, pointer, readonly_array
+from ._arrays import CPU, AnyArray, numpy_of, packed, pointer, readonly_array, real_numbers
 from ._callbacks import Callbacks, Log, Told, log_to_logging
 from ._choices import FIELDS, W, choice, element_type, precision_of
 from ._errors import InvalidArgumentError, UnsupportedError, check
 from ._handle import desc_struct, params_struct
 from ._library import ffi, lib, new_struct, text
-from ._numbers import real, uint32
-from ._owned import Owned
+from ._numbers import real, shown, uint32
+from ._owned import Owned, Uncopied
 from ._state import state_of
 from .colliders import Collider, struct_array
 from .params import Params
@@ -41,7 +42,7 @@ def _leave(handle: Any, callbacks: Callbacks) -> None:
     """What closing a world does, which ends with its batch."""
 
 
-class BatchTensor:
+class BatchTensor(Uncopied):
     """One field of all worlds at one time, of shape (worlds, rows, components), in memory of its own:
     for `torch.from_dlpack(…)` and its like, or as `array`."""
 
@@ -83,7 +84,7 @@ class BatchTensor:
         return capsule_of(self._place)
 
 
-class Batch(Owned):
+class Batch(Uncopied, Owned):
     """`worlds` fluids alike in kind and capacity, stepped in one call, each as it would be alone.
 
     >>> batch = pbf.Batch(64, pbf.fill_box((0, 0), (0.5, 0.3), 0.025), spacing=0.025)
@@ -160,6 +161,10 @@ class Batch(Owned):
 
     def __getitem__(self, world: int) -> Solver:
         """World `world` as a solver; negative numbers count from the end."""
+        try:
+            world = operator.index(world)
+        except TypeError:
+            raise InvalidArgumentError(f"world is {shown(world)}; it must be an integer") from None
         index = world + self._count if world < 0 else world
         if not 0 <= index < self._count:
             raise IndexError(f"world is {world}; the batch has {self._count} worlds")
@@ -256,15 +261,14 @@ class Batch(Owned):
         """Numbers of this shape, or of one without worlds, which is then each one's. In 2D vectors
         may have two numbers."""
         given = numpy_of(name, array)
-        if given.dtype.kind not in "fiu":
-            raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold real numbers")
+        real_numbers(name, given)
         if self.dimension == 2 and shape[-1] == 3 and given.ndim and given.shape[-1] == 2:
             given = np.concatenate([given, np.zeros((*given.shape[:-1], 1))], axis=-1)
         if given.shape not in (shape, shape[1:]):
             raise InvalidArgumentError(
                 f"{name} has the shape {given.shape}; it must be {shape}, or {shape[1:]} for all "
                 "worlds alike")
-        return np.ascontiguousarray(np.broadcast_to(given, shape), np.float64)
+        return packed(name, np.broadcast_to(given, shape), np.float64)
 
     def set_gravity(self, gravity: AnyArray, mask: AnyArray | None = None) -> None:
         """Of each world: shape (worlds, 3), or (3,) for all alike."""
@@ -312,9 +316,7 @@ class Batch(Owned):
             raise InvalidArgumentError(
                 f"{name} has the shape {given.shape}; it must be ({self._count}, count, "
                 f"{self.dimension}), or (count, {self.dimension}) for all worlds alike")
-        if given.dtype.kind not in "fiu":
-            raise InvalidArgumentError(f"{name} holds {given.dtype}; it must hold real numbers")
-        return given
+        return real_numbers(name, given)
 
     def add(self, positions: AnyArray, velocities: AnyArray | None = None,
             mask: AnyArray | None = None) -> None:
@@ -331,8 +333,8 @@ class Batch(Owned):
             counts *= chosen
             places = places[chosen != 0]
             speeds = None if speeds is None else speeds[chosen != 0]
-        given = np.ascontiguousarray(places, self.dtype)
-        moving = None if speeds is None else np.ascontiguousarray(speeds, self.dtype)
+        given = packed("positions", places, self.dtype)
+        moving = None if speeds is None else packed("velocities", speeds, self.dtype)
         self._call(lib.pbf_batch_add_particles, ffi.cast("uint32_t *", pointer(counts)),
                    pointer(given), ffi.NULL if moving is None else pointer(moving))
 

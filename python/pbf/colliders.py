@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import enum
+import weakref
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
@@ -77,10 +78,12 @@ class Collider:
     """A container: the fluid stays inside."""
     path: MotionPath = MotionPath.AUTO
 
-    def _write(self, struct: Any) -> None:
+    def _write(self, struct: Any) -> Geometry | None:
+        """Its geometry, which has to live as long as the struct is looked at."""
         check(lib.pbf_collider_init(struct, ffi.sizeof("pbf_collider"), self.shape))
         struct.inverted = bool(self.inverted)
         struct.path = uint32("path", self.path)
+        geometry: Geometry | None = None
         for field in fields(self):
             value, name = getattr(self, field.name), field.name
             if name in ("inverted", "path"):
@@ -88,6 +91,7 @@ class Collider:
             if name == "geometry":
                 if value is not None and not isinstance(value, Geometry):
                     raise InvalidArgumentError(f"geometry is {value!r}; it must be a Geometry")
+                geometry = value
                 struct.geometry = ffi.NULL if value is None else value.handle
                 continue
             target = getattr(struct, name)
@@ -100,6 +104,7 @@ class Collider:
                 numbers.append(_THIRD.get(name, 0.0))
             for i, number in enumerate(numbers):
                 target[i] = number
+        return geometry
 
 
 @dataclass
@@ -146,6 +151,11 @@ def collider_of(struct: Any) -> Collider:
     return KINDS[struct.shape](**values)
 
 
+_geometries: weakref.WeakKeyDictionary[Any, list[Geometry | None]] = weakref.WeakKeyDictionary()
+"""Of arrays of structs: colliders that nothing else refers to, as those that a generator makes, are gone
+before the library looks at them."""
+
+
 def struct_array(colliders: Iterable[Collider] | Collider) -> tuple[int, Any]:
     """Their number, and an array of structs."""
     listed = [colliders] if isinstance(colliders, Collider) else None
@@ -160,6 +170,5 @@ def struct_array(colliders: Iterable[Collider] | Collider) -> tuple[int, Any]:
             raise InvalidArgumentError(
                 f"colliders[{i}] is {collider!r}; it must be a Plane, Sphere, Capsule, Box or Solid")
     array = ffi.new("pbf_collider[]", max(len(listed), 1))
-    for i, collider in enumerate(listed):
-        collider._write(ffi.addressof(array, i))
+    _geometries[array] = [collider._write(ffi.addressof(array, i)) for i, collider in enumerate(listed)]
     return len(listed), array

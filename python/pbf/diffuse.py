@@ -7,7 +7,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import AnyArray, numpy_of, pointer, real_numbers, rows_of
+from ._arrays import AnyArray, numpy_of, packed, pointer, real_numbers, rows_of
 from ._errors import InvalidArgumentError
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
@@ -150,7 +150,7 @@ class DiffuseOf(Handle):
         if given.ndim > 1 or (given.ndim == 1 and len(given) != len(places)):
             raise InvalidArgumentError(
                 f"lives has the shape {given.shape}; it must be one number, or {len(places)}")
-        times = np.ascontiguousarray(np.broadcast_to(given, len(places)), self.dtype)
+        times = packed("lives", np.broadcast_to(given, len(places)), self.dtype)
         speeds = (None if velocities is None else
                   rows_of("velocities", velocities, self.dimension, self.dtype))
         if speeds is not None and len(speeds) != len(places):

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _files
-from ._arrays import AnyArray, numpy_of, pointer, real_numbers
+from ._arrays import AnyArray, numpy_of, packed, pointer, real_numbers
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
-from ._numbers import UINT32_MAX, Vector, real, reals
+from ._numbers import UINT32_MAX, Vector, real, reals, uint32
 from ._state import PathLike, state_of
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def _corners(name: str, faces: AnyArray, columns: int) -> NDArray[Any]:
 
 
 def _contiguous(name: str, array: AnyArray, dtype: Any, columns: int | None) -> NDArray[Any]:
-    given = np.ascontiguousarray(real_numbers(name, numpy_of(name, array)), dtype=dtype)
+    given = packed(name, numpy_of(name, array), dtype)
     if columns is not None and (given.ndim != 2 or given.shape[1] != columns):
         raise InvalidArgumentError(
             f"{name} has the shape {given.shape}; it must be (count, {columns})")
@@ -64,13 +64,14 @@ class Geometry:
         given = real_numbers("values", numpy_of("values", values))
         if given.ndim not in (2, 3):
             raise InvalidArgumentError(f"values has {given.ndim} axes; it must be 2 or 3")
-        packed = np.asfortranarray(given, dtype=np.float32)
+        nodes = packed("values", given, np.float32, "F")
         desc = new_struct("pbf_grid_desc")
-        desc.dimension = packed.ndim
-        for axis, start in enumerate(reals("origin", origin, (packed.ndim,))):
-            desc.nodes[axis], desc.origin[axis] = packed.shape[axis], start
+        desc.dimension = nodes.ndim
+        for axis, start in enumerate(reals("origin", origin, (nodes.ndim,))):
+            desc.nodes[axis] = uint32(f"the length of axis {axis} of values", nodes.shape[axis])
+            desc.origin[axis] = start
         desc.cell = real("cell", cell)
-        desc.values = ffi.cast("const float *", packed.ctypes.data)
+        desc.values = ffi.cast("const float *", pointer(nodes))
         return cls._made(lib.pbf_shape_from_grid, desc)
 
     @classmethod
@@ -86,7 +87,9 @@ class Geometry:
         points = _contiguous("vertices", mesh, np.float64, dimension)
         corners = _corners("faces", faces, dimension)
         desc = new_struct("pbf_mesh_desc")
-        desc.dimension, desc.vertex_count, desc.face_count = dimension, len(points), len(corners)
+        desc.dimension = dimension
+        desc.vertex_count = uint32("the number of vertices", len(points))
+        desc.face_count = uint32("the number of faces", len(corners))
         desc.vertices = ffi.cast("const double *", pointer(points))
         desc.faces = ffi.cast("const uint32_t *", pointer(corners))
         desc.cell, desc.thickness = real("cell", cell), real("thickness", thickness)
@@ -99,12 +102,12 @@ class Geometry:
         given = real_numbers("heights", numpy_of("heights", heights))
         if given.ndim not in (1, 2):
             raise InvalidArgumentError(f"heights has {given.ndim} axes; it must be 1 or 2")
-        packed = np.asfortranarray(given, dtype=np.float64)
+        columns = packed("heights", given, np.float64, "F")
         desc = new_struct("pbf_heights_desc")
-        desc.dimension = packed.ndim + 1
-        for axis, count in enumerate(packed.shape):
-            desc.count[axis] = count
-        desc.heights = ffi.cast("const double *", packed.ctypes.data)
+        desc.dimension = columns.ndim + 1
+        for axis, count in enumerate(columns.shape):
+            desc.count[axis] = uint32(f"the length of axis {axis} of heights", count)
+        desc.heights = ffi.cast("const double *", pointer(columns))
         desc.spacing, desc.base = real("spacing", spacing), real("base", base)
         desc.cell = real("cell", cell)
         return cls._made(lib.pbf_shape_from_heights, desc)
@@ -113,10 +116,10 @@ class Geometry:
     def from_points(cls, points: AnyArray, *, cell: float) -> Self:
         """The convex hull of points, shape (count, dimension)."""
         dimension = _dimension_of("points", points)
-        packed = _contiguous("points", points, np.float64, dimension)
+        given = _contiguous("points", points, np.float64, dimension)
         desc = new_struct("pbf_hull_desc")
-        desc.dimension, desc.point_count = dimension, len(packed)
-        desc.points = ffi.cast("const double *", pointer(packed))
+        desc.dimension, desc.point_count = dimension, uint32("the number of points", len(given))
+        desc.points = ffi.cast("const double *", pointer(given))
         desc.cell = real("cell", cell)
         return cls._made(lib.pbf_shape_from_points, desc)
 

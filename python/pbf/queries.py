@@ -1,6 +1,8 @@
 """Questions to the fluid: what is in a volume, at a point, along a ray; see pbf/query.h."""
 from __future__ import annotations
 
+import math
+import numbers
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -8,11 +10,11 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import AnyArray, numpy_of, pointer
+from ._arrays import AnyArray, numpy_of, packed, pointer
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
-from ._numbers import Vector, real, reals, uint32
+from ._numbers import Vector, real, reals, shown, uint32
 
 Reals = NDArray[np.float64]
 
@@ -122,7 +124,7 @@ class Queries(Handle):
             raise InvalidArgumentError(
                 f"{name} has the shape {given.shape} and holds {given.dtype}; it must hold points "
                 f"of {self.dimension} numbers")
-        return np.ascontiguousarray(given, np.float64)
+        return packed(name, given, np.float64)
 
     def find_in(self, volume: Volume) -> NDArray[np.uint32]:
         """The ids of the particles in a volume, ascending."""
@@ -155,12 +157,13 @@ class Queries(Handle):
         for field in wanted:
             if not isinstance(field, str) or field not in FIELDS:
                 raise InvalidArgumentError(f"fields has {field!r}; each must be one of {FIELDS}")
+        count = uint32("the number of points", math.prod(shape))
         density, pressure = (np.empty(shape) if field in wanted else None
                              for field in ("density", "pressure"))
         velocity = np.empty((*shape, self.dimension)) if "velocity" in wanted else None
         wet = np.empty(shape, np.bool_) if "wet" in wanted else None
         struct = new_struct("pbf_samples")
-        struct.count = uint32("the number of points", int(np.prod(shape)))
+        struct.count = count
         struct.densities, struct.velocities = _array(density), _array(velocity)
         struct.pressures = _array(pressure)
         struct.wet = ffi.cast("uint8_t *", pointer(wet)) if wet is not None else ffi.NULL
@@ -182,11 +185,13 @@ class Queries(Handle):
         """The same at the points origin + index * step, in arrays of the shape `counts`. A single
         number is the step along all axes."""
         grid = new_struct("pbf_sample_grid")
-        shape = tuple(uint32("counts", count) for count in counts)
         n = self.dimension
+        if not isinstance(counts, Iterable):
+            raise InvalidArgumentError(f"counts is {shown(counts)}; it must have {n} numbers")
+        shape = tuple(uint32("counts", count) for count in counts)
         if len(shape) != n:
             raise InvalidArgumentError(f"counts is {shape}; it must have {n} numbers")
-        steps = (real("step", step),) * n if isinstance(step, (int, float)) else step
+        steps = (step,) * n if isinstance(step, numbers.Real) else step
         for k, (a, b) in enumerate(zip(reals("origin", origin, (n,)), reals("step", steps, (n,)))):
             grid.counts[k], grid.origin[k], grid.step[k] = shape[k], a, b
         struct, samples = self._samples(shape, fields)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ._arrays import CPU, readonly_array
 from ._errors import StateError, UnsupportedError, check
 from ._library import ffi, lib, new_struct
+from ._owned import Uncopied
 
 if TYPE_CHECKING:
     from ._handle import Handle
@@ -87,7 +88,7 @@ class _Exported:
         return readonly_array(self, tensor.data, shape, dtype, strides)
 
 
-class View:
+class View(Uncopied):
     """One field in the solver's own memory, in the order in which it lies there; `ids` tells it.
 
     While the view, or an array or tensor made of it, is alive, what would change the particles
