@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "core/content.h"
+#include "core/error.h"
+#include "core/failure_message.h"
 #include "core/output_file.h"
 #include "core/standard_streams.h"
 #include "mesh_file.h"
@@ -223,7 +225,7 @@ int run_command(CLI::App &app, const Options &options, int argc, char **argv) {
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? 0 : exit_usage;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-bake: %s\n", error.what());
+    std::fprintf(stderr, "pbf-bake: %s\n", bench::one_line(error.what()).c_str());
     return exit_failure;
   }
 }
@@ -236,6 +238,6 @@ int main(int argc, char **argv) {
   Options options;
   add_options(app, options);
   app.footer("Exit codes: 0 done; 1 the mesh or a file is at fault; 2 wrong command line.");
-  app.failure_message(CLI::FailureMessage::simple);
+  app.failure_message(bench::failure_message);
   return bench::exit_after_output(run_command(app, options, argc, argv), exit_failure, "pbf-bake");
 }

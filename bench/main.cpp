@@ -4,6 +4,7 @@
 
 #include "commands/commands.h"
 #include "core/error.h"
+#include "core/failure_message.h"
 #include "core/solver.h"
 #include "core/standard_streams.h"
 
@@ -38,10 +39,10 @@ int run_command(CLI::App &app, int argc, char **argv) {
   try {
     return run_parsed(app, argc, argv);
   } catch (const Error &error) {
-    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    std::fprintf(stderr, "pbf-bench: %s\n", one_line(error.what()).c_str());
     return error.code;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-bench: %s\n", error.what());
+    std::fprintf(stderr, "pbf-bench: %s\n", one_line(error.what()).c_str());
     return exit_failure;
   }
 }
@@ -53,7 +54,7 @@ int main(int argc, char **argv) {
   CLI::App app("Position based fluids: scenes, speed and error", "pbf-bench");
   app.require_subcommand(1);
   app.footer(footer);
-  app.failure_message(CLI::FailureMessage::simple);
+  app.failure_message(failure_message);
   app.add_option("--plugin", "load this backend too (absolute path)")
       ->type_name("FILE")
       ->expected(1, -1)

@@ -5,6 +5,7 @@
 
 #include "commands/options.h"
 #include "core/error.h"
+#include "core/failure_message.h"
 #include "core/standard_streams.h"
 #include "headless.h"
 #include "window.h"
@@ -79,7 +80,7 @@ void add_options(CLI::App &app, Options &options) {
 int main(int argc, char **argv) {
   bench::prepare_standard_streams();
   CLI::App app("Position based fluids: scenes as they run", "pbf-view");
-  app.failure_message(CLI::FailureMessage::simple);
+  app.failure_message(bench::failure_message);
   app.footer(
       "Keys: space pauses, s steps, r starts again. The left button turns, the right one "
       "shifts, the wheel comes nearer.");
@@ -98,10 +99,10 @@ int main(int argc, char **argv) {
       run_window(options);
     return bench::exit_ok;
   } catch (const bench::Error &error) {
-    std::fprintf(stderr, "pbf-view: %s\n", error.what());
+    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(error.what()).c_str());
     return error.code;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-view: %s\n", error.what());
+    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(error.what()).c_str());
     return bench::exit_failure;
   }
 }

@@ -15,6 +15,14 @@ enum ExitCode {
   exit_interrupted = 130  // Ctrl-C
 };
 
+// As a terminal may be given it: names of files and words of a command line may hold what moves its
+// cursor, or begins a line that looks like the program's own.
+inline std::string one_line(std::string text) {
+  for (char &byte : text)
+    if ((byte >= 0 && byte < ' ') || byte == 0x7f) byte = '?';
+  return text;
+}
+
 class Error : public std::runtime_error {
  public:
   Error(ExitCode exit_code, const std::string &sentence)

@@ -17,6 +17,9 @@ void catch_interrupts() {
   action.sa_flags = SA_RESETHAND | SA_RESTART;  // what is being written is written
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before = {};  // of nohup, which has it ignored
+  if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, nullptr);
 }
 
 bool interrupted() { return was_interrupted != 0; }

@@ -1,4 +1,5 @@
-/* Ctrl-C asks a command to stop at the next step and to write what it has; a second one kills. */
+/* Ctrl-C, or the end of the terminal, asks a command to stop at the next step and to write what it
+ * has; a second one kills. */
 #ifndef PBF_BENCH_INTERRUPT_H
 #define PBF_BENCH_INTERRUPT_H
 

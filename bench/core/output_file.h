@@ -73,9 +73,14 @@ class OutputFile {
   }
 
  private:
+  // A link stays, also one to a file that is not there yet.
   static fs::path target_of(const std::string &path) {
+    enum { most_links = 40 };  // as many as Linux follows
     std::error_code failed;
-    const fs::path target = fs::weakly_canonical(path, failed);
+    fs::path at = path;
+    for (int k = 0; k < most_links && fs::is_symlink(at, failed) && !fs::exists(at, failed); ++k)
+      at = at.parent_path() / fs::read_symlink(at, failed);
+    const fs::path target = fs::weakly_canonical(at, failed);
     return failed ? fs::path(path) : target;
   }
 
@@ -93,11 +98,15 @@ class OutputFile {
 #else
     const auto process = _getpid();
 #endif
-    fresh_ = target_.string() + "." + std::to_string(process) + ".new";
-    std::remove(fresh_.c_str());  // of a process that has ended
-    file_ = std::fopen(fresh_.c_str(), "wbx");
+    // What has the name may be of a process of the same number, in another container.
+    int error = EEXIST;
+    for (unsigned number = 0; !file_ && error == EEXIST; ++number) {
+      fresh_ = target_.string() + "." + std::to_string(process) + "." + std::to_string(number);
+      fresh_ += ".new";
+      file_ = std::fopen(fresh_.c_str(), "wbx");
+      error = errno;
+    }
     if (file_) return;
-    const int error = errno;
     fresh_.clear();
     if (error != EACCES && error != EPERM && error != EROFS && error != ENAMETOOLONG) refuse(error);
   }

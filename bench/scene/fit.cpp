@@ -113,7 +113,7 @@ std::string lattice_misfit(const Scene &scene) {
 void tell_of_misfit(const SceneOptions &options, const Scene &scene) {
   const std::string misfit =
       options.particles > 0 || options.finer != 1 ? lattice_misfit(scene) : "";
-  if (!misfit.empty()) std::fprintf(stderr, "pbf-bench: %s\n", misfit.c_str());
+  if (!misfit.empty()) std::fprintf(stderr, "pbf-bench: %s\n", one_line(misfit).c_str());
 }
 
 }  // namespace bench

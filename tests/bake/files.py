@@ -217,6 +217,15 @@ def damaged_meshes_are_told():
     check(f"no end is told: {done.stderr!r}", done.returncode == 1 and "endless.ply can't be read" in done.stderr)
 
 
+def what_is_told_is_one_line():
+    """Whatever the names of files, and the words of the command line, are."""
+    for words in (("--show", "no\nfile\x1b[2J"), ("cube.obj", "no/fol\nder/\x1b[2J", "--cell", 0.2),
+                  ("cube.obj", "x", "--cell", "0\n\x1b[2J"), ("--show", "x", "a\n\x1b[2J", "b")):
+        told = bake(*words).stderr
+        lines = told.replace("\nRun with --help for more information.\n", "\n")
+        check(f"{words}: {told!r}", told and lines.count("\n") == 1 and "\x1b" not in told)
+
+
 def what_is_no_file_is_told():
     for name, words in (("/dev/zero", "does not begin as one"), ("/dev/null", "cut short"), ("/proc", "Is a directory"),
                         ("/proc/self/pagemap", "/proc/self/pagemap")):
@@ -248,6 +257,17 @@ def what_is_written_is_whole_or_as_before():
     check("through a link", bake("cube.obj", "link.pbfshape", "--cell", 0.1).returncode == 0)
     check("the link is one", (WORK / "link.pbfshape").is_symlink())
     check("the file is another", (WORK / "kept.pbfshape").read_bytes() != before)
+    (WORK / "ahead.pbfshape").symlink_to("later.pbfshape")
+    check("through a link to nothing", bake("cube.obj", "ahead.pbfshape", "--cell", 0.2).returncode == 0)
+    check("that link is one", (WORK / "ahead.pbfshape").is_symlink())
+    check("what it leads to is there", (WORK / "later.pbfshape").is_file())
+    script = 'echo other > "$1.$$.0.new"; echo other > "$1.$$.new"; exec "$0" cube.obj "$1" --cell 0.2'
+    done = subprocess.run(["sh", "-c", script, str(BAKE), "kept.pbfshape"], cwd=WORK, check=False)
+    check("beside a process of this number", done.returncode == 0)
+    others = list(WORK.glob("kept.pbfshape.*"))
+    check("its files are left", [other.read_text() for other in others] == ["other\n", "other\n"])
+    for other in others:
+        other.unlink()
     check("its permissions stay", (WORK / "kept.pbfshape").stat().st_mode & 0o777 == 0o600)
 
 
@@ -272,6 +292,7 @@ collapsed_triangles_are_left_out()
 what_is_no_solid_is_refused()
 damaged_meshes_are_told()
 what_is_no_file_is_told()
+what_is_told_is_one_line()
 what_is_written_is_whole_or_as_before()
 readers_may_go_away()
 sys.exit(1 if failures else 0)

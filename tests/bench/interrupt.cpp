@@ -71,6 +71,36 @@ void an_interrupted_record_can_be_replayed(void **) {
   expect_contains(replay.out, "the same: ");
 }
 
+// The terminal is closed: nothing is left beside the recording, unless nohup has the signal
+// ignored.
+void the_end_of_a_terminal_is_an_interrupt(void **) {
+  const std::string folder = work_folder("hangup");
+  skip_unless_available(folder, "reference");
+  const std::vector<std::string> record = {"record",     "--scene",   "dam-break-2d", "--particles",
+                                           "200",        "--backend", "reference",    "--steps",
+                                           "4000000000", "--to",      "r.rec"};
+  for (const bool ignored : {false, true}) {
+    std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
+    const pid_t child = start_program(folder, record);
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    assert_int_equal(kill(child, SIGHUP), 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(ignored ? 300 : 0));
+    int status = 0;
+    if (ignored) {
+      assert_int_equal(waitpid(child, &status, WNOHANG), 0);
+      assert_int_equal(exit_code_after_interrupt(child), 130);
+    } else {
+      assert_int_equal(waitpid(child, &status, 0), child);
+      assert_true(WIFEXITED(status));
+      assert_int_equal(WEXITSTATUS(status), 130);
+    }
+    for (const auto &entry : std::filesystem::directory_iterator(folder))
+      assert_true(entry.path().extension() != ".new");
+    expect_contains(run_program(folder, "replay r.rec").out, "the same: ");
+  }
+  std::signal(SIGHUP, SIG_DFL);
+}
+
 void an_interrupted_speedup_still_prints_and_writes(void **) {
   const std::string folder = work_folder("speedup");
   skip_unless_available(folder, "reference");
@@ -92,6 +122,7 @@ int main() {
       cmocka_unit_test(an_interrupted_run_leaves_whole_files),
       cmocka_unit_test(an_interrupt_while_a_reader_is_slow_tears_no_row),
       cmocka_unit_test(an_interrupted_record_can_be_replayed),
+      cmocka_unit_test(the_end_of_a_terminal_is_an_interrupt),
       cmocka_unit_test(an_interrupted_speedup_still_prints_and_writes),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
