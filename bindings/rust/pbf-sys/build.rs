@@ -32,7 +32,7 @@ fn from_folder(folder: &Path) {
 fn from_pkg_config() {
     let program = std::env::var("PKG_CONFIG").unwrap_or_else(|_| "pkg-config".into());
     let ask = |what: &str| match Command::new(&program).args([what, "pbf"]).output() {
-        Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).trim().to_string(),
+        Ok(output) if output.status.success() => words_of(&output.stdout),
         Ok(output) => panic!(
             "{program} does not find pbf: set PKG_CONFIG_PATH to PREFIX/lib/pkgconfig, or PBF_LIB_DIR to PREFIX/lib\n{}",
             String::from_utf8_lossy(&output.stderr)
@@ -40,8 +40,28 @@ fn from_pkg_config() {
         Err(error) => panic!("{program} can't be run ({error}): set PBF_LIB_DIR to the folder of libpbf"),
     };
     let flags = ask("--libs");
-    let folder = ask("--variable=libdir");
-    link(Some(PathBuf::from(folder)).filter(|folder| folder.is_dir()), &flags.split_whitespace().collect::<Vec<_>>());
+    let folder = ask("--variable=libdir").join(" ");
+    link(
+        Some(PathBuf::from(folder)).filter(|folder| folder.is_dir()),
+        &flags.iter().map(String::as_str).collect::<Vec<_>>(),
+    );
+}
+
+/// As a shell reads them: pkg-config has a backslash before each space of a folder's name, and before
+/// each byte of other letters.
+fn words_of(printed: &[u8]) -> Vec<String> {
+    let mut words = vec![Vec::new()];
+    let mut bytes = printed.iter();
+    while let Some(&byte) = bytes.next() {
+        let last = words.len() - 1;
+        match byte {
+            b'\\' => words[last].extend(bytes.next()),
+            _ if byte.is_ascii_whitespace() => words.push(Vec::new()),
+            _ => words[last].push(byte),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words.iter().map(|word| String::from_utf8_lossy(word).into_owned()).collect()
 }
 
 fn link(folder: Option<PathBuf>, flags: &[&str]) {

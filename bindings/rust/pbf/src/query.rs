@@ -130,9 +130,9 @@ impl<T: Real> Solver<T> {
     }
 
     fn samples(&self, points: usize, into: Samples<'_>) -> Result<sys::pbf_samples> {
-        let numbers = points * self.dimension() as usize;
         let mut raw = empty!(pbf_samples);
         raw.count = self.particles_of(points, 1)?;
+        let numbers = points * self.dimension() as usize;
         raw.densities = place("densities", into.densities, points)?;
         raw.velocities = place("velocities", into.velocities, numbers)?;
         raw.pressures = place("pressures", into.pressures, points)?;

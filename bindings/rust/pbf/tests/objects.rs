@@ -268,6 +268,12 @@ fn queries_want_arrays_that_fit() {
         wrong,
         "counts",
     );
+    let grid = SampleGrid {
+        counts: [u32::MAX, u32::MAX, 1], // whose numbers no usize holds
+        ..grid
+    };
+    let many = fluid.sample_on_grid(&grid, Samples::default());
+    assert_refused(many, wrong, "count");
     assert_refused(
         fluid.cast_rays(&[0.; 3], &[0.; 2], 1., &mut few, None),
         wrong,
