@@ -12,7 +12,7 @@ from ._callbacks import Callbacks, Log, Told, destroy
 from ._choices import DETERMINISM, PRECISIONS, chars, choice, precision_of
 from ._errors import Error, InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
-from ._numbers import ADDRESS_MAX, integer, uint32
+from ._numbers import ADDRESS_MAX, integer, shown, uint32
 from ._owned import Owned
 from ._param_fields import ParamFields
 from .params import Params
@@ -43,7 +43,7 @@ def desc_struct(desc: Mapping[str, Any], stream: int, callbacks: Callbacks) -> t
 
 def params_struct(params: Params) -> Any:
     if not isinstance(params, Params):
-        raise InvalidArgumentError(f"params is {params!r}; it must be a Params")
+        raise InvalidArgumentError(f"params is {shown(params)}; it must be a Params")
     return params.copy()._get_params()
 
 

@@ -27,6 +27,16 @@ def shown(value: Any) -> str:
     return text if len(text) <= 100 else f"{text[:97]}…"
 
 
+def items_of(name: str, given: Any, kind: type[Any], wanted: str) -> list[Any]:
+    """What a list holds, or the only one."""
+    if isinstance(given, kind):
+        return [given]
+    try:
+        return list(given)
+    except TypeError:
+        raise InvalidArgumentError(f"{name} is {shown(given)}; it must be {wanted}") from None
+
+
 def integer(name: str, value: Any, most: int) -> int:
     try:
         number = operator.index(value)

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from ._arrays import AnyArray, ids_of, pointer, rows_of
 from ._errors import CapacityError, InvalidArgumentError
 from ._library import ffi, lib
-from ._numbers import Vector, reals, uint32
+from ._numbers import Vector, items_of, reals, uint32
 from ._reading import Reading
 from .fill import fill_ball, fill_box
 
@@ -66,9 +65,10 @@ class Particles(Reading):
         for name, given, none in (("lower", lower, -math.inf), ("upper", upper, math.inf)):
             values = [none] * 3
             if given is not None:
-                if isinstance(given, Iterable):
-                    given = [none if value is None else value for value in given]
-                values[:self.dimension] = reals(name, given, (self.dimension,))
+                wanted = f"a list of {self.dimension} numbers"
+                listed = [none if value is None else value
+                          for value in items_of(name, given, type(None), wanted)]
+                values[:self.dimension] = reals(name, listed, (self.dimension,))
             corners.append(ffi.new("double[3]", values))
         return corners[0], corners[1]
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib
-from ._numbers import Vector, real, reals, uint32
+from ._numbers import Vector, items_of, real, reals, shown, uint32
 from .geometry import Geometry
 
 
@@ -90,7 +90,7 @@ class Collider:
                 continue
             if name == "geometry":
                 if value is not None and not isinstance(value, Geometry):
-                    raise InvalidArgumentError(f"geometry is {value!r}; it must be a Geometry")
+                    raise InvalidArgumentError(f"geometry is {shown(value)}; it must be a Geometry")
                 geometry = value
                 struct.geometry = ffi.NULL if value is None else value.handle
                 continue
@@ -158,17 +158,11 @@ before the library looks at them."""
 
 def struct_array(colliders: Iterable[Collider] | Collider) -> tuple[int, Any]:
     """Their number, and an array of structs."""
-    listed = [colliders] if isinstance(colliders, Collider) else None
-    if listed is None:
-        try:
-            listed = list(colliders)  # type: ignore[arg-type]
-        except TypeError:
-            raise InvalidArgumentError(
-                f"colliders is {colliders!r}; it must be a list of colliders") from None
+    listed = items_of("colliders", colliders, Collider, "a list of colliders")
     for i, collider in enumerate(listed):
         if not isinstance(collider, Collider) or type(collider) is Collider:
             raise InvalidArgumentError(
-                f"colliders[{i}] is {collider!r}; it must be a Plane, Sphere, Capsule, Box or Solid")
+                f"colliders[{i}] is {shown(collider)}; it must be a Plane, Sphere, Capsule, Box or Solid")
     array = ffi.new("pbf_collider[]", max(len(listed), 1))
     _geometries[array] = [collider._write(ffi.addressof(array, i)) for i, collider in enumerate(listed)]
     return len(listed), array

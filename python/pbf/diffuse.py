@@ -11,7 +11,7 @@ from ._arrays import AnyArray, numpy_of, packed, pointer, real_numbers, rows_of
 from ._errors import InvalidArgumentError
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
-from ._numbers import Vector, real, reals, uint32
+from ._numbers import Vector, real, reals, shown, uint32
 from ._structs import dataclass_of
 
 
@@ -115,7 +115,7 @@ class DiffuseOf(Handle):
     @diffuse.setter
     def diffuse(self, desc: Optional[Diffuse]) -> None:
         if desc is not None and not isinstance(desc, Diffuse):
-            raise InvalidArgumentError(f"diffuse is {desc!r}; it must be a Diffuse or None")
+            raise InvalidArgumentError(f"diffuse is {shown(desc)}; it must be a Diffuse or None")
         self._call(lib.pbf_set_diffuse, ffi.NULL if desc is None else _written(desc))
 
     @property

@@ -9,7 +9,7 @@ from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
-from ._numbers import Vector, real, reals, uint32
+from ._numbers import Vector, items_of, real, reals, shown, uint32
 from ._structs import dataclass_of
 from .queries import BallVolume, BoxVolume, CapsuleVolume, Volume, struct_of
 
@@ -101,7 +101,7 @@ class Reservoir:
             struct.orientation[i] = number
         struct.depth = real("depth", self.depth)
         struct.pressure = real("pressure", self.pressure)
-        struct.phase = uint32("phase", int(self.phase))
+        struct.phase = uint32("phase", self.phase)
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,10 @@ def _made(kind: type[Any], struct: Any) -> Any:
 
 
 def _listed(name: str, given: Any, kind: type[Any]) -> list[Any]:
-    listed = [given] if isinstance(given, kind) else list(given)
+    listed = items_of(name, given, kind, f"a list of {name}")
     for i, each in enumerate(listed):
         if not isinstance(each, kind) or type(each) is kind:
-            raise InvalidArgumentError(f"{name}[{i}] is {each!r}; it must be one of its kinds")
+            raise InvalidArgumentError(f"{name}[{i}] is {shown(each)}; it must be one of its kinds")
     return listed
 
 
@@ -206,10 +206,10 @@ class Emission(Handle):
 
     @reservoirs.setter
     def reservoirs(self, reservoirs: Iterable[Reservoir] | Reservoir) -> None:
-        listed = [reservoirs] if isinstance(reservoirs, Reservoir) else list(reservoirs)
+        listed = items_of("reservoirs", reservoirs, Reservoir, "a list of reservoirs")
         structs = ffi.new("pbf_reservoir[]", max(len(listed), 1))
         for i, reservoir in enumerate(listed):
             if not isinstance(reservoir, Reservoir):
-                raise InvalidArgumentError(f"reservoirs[{i}] is {reservoir!r}; it must be a Reservoir")
+                raise InvalidArgumentError(f"reservoirs[{i}] is {shown(reservoir)}; it must be a Reservoir")
             reservoir._write(ffi.addressof(structs, i))
         self._call(lib.pbf_set_reservoirs, len(listed), structs)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ._errors import InvalidArgumentError
 from ._library import lib
-from ._numbers import Vector, real, reals, uint32
+from ._numbers import Vector, real, reals, shown, uint32
 from .geometry import Geometry
 
 Positions = NDArray[np.float64]
@@ -27,11 +27,11 @@ def fill_lattice(first: Vector, counts: Sequence[int], spacing: float) -> Positi
     spacing = _spacing(spacing)
     start = reals("first", first, (2, 3))
     if len(counts) != len(start):
-        raise InvalidArgumentError(f"counts is {counts!r}; it must have as many numbers as first")
+        raise InvalidArgumentError(f"counts is {shown(counts)}; it must have as many numbers as first")
     numbers = [uint32(f"counts[{i}]", count) for i, count in enumerate(counts)]
     if math.prod(numbers) > lib.PBF_MAX_CAPACITY:
         raise InvalidArgumentError(
-            f"counts is {counts!r}, which is {math.prod(numbers)} particles; at most "
+            f"counts is {shown(counts)}, which is {math.prod(numbers)} particles; at most "
             f"{lib.PBF_MAX_CAPACITY} fit into a solver")
     axes = [x + spacing * np.arange(n) for x, n in zip(start, numbers)]
     grid = np.meshgrid(*reversed(axes), indexing="ij")  # the last axis runs slowest
@@ -70,7 +70,7 @@ def fill_geometry(geometry: Geometry, spacing: float, position: Vector | None = 
     its surface, to a quarter of its cell; `position` is where its own origin lies."""
     spacing = _spacing(spacing)
     if not isinstance(geometry, Geometry):
-        raise InvalidArgumentError(f"geometry is {geometry!r}; it must be a Geometry")
+        raise InvalidArgumentError(f"geometry is {shown(geometry)}; it must be a Geometry")
     lower, upper = geometry.bounds
     points = fill_box(lower, upper, spacing)
     least = 0.5 * spacing - 0.25 * geometry.cell  # next to edges, which are rounded off, distances are less

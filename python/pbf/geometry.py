@@ -12,7 +12,7 @@ from . import _files
 from ._arrays import AnyArray, numpy_of, packed, pointer, real_numbers
 from ._errors import InvalidArgumentError, check
 from ._library import ffi, lib, new_struct
-from ._numbers import UINT32_MAX, Vector, real, reals, uint32
+from ._numbers import UINT32_MAX, Vector, real, reals, shown, uint32
 from ._state import PathLike, state_of
 
 if TYPE_CHECKING:
@@ -49,6 +49,11 @@ class Geometry:
     """Any solid. It lives as long as this object, or a collider of a solver, has it."""
 
     def __init__(self, handle: Any) -> None:
+        """Of one of the C API, which is released with it; `from_mesh` and its like make one."""
+        if not isinstance(handle, ffi.CData) or ffi.typeof(handle) != ffi.typeof("pbf_shape *"):
+            raise InvalidArgumentError(
+                f"handle is {shown(handle)}; it must be a pbf_shape * of the C API: from_grid, from_mesh, "
+                "from_heights, from_points and load make geometries")
         self._handle = handle
         self._finalizer = weakref.finalize(self, lib.pbf_release_shape, handle)
 

@@ -12,7 +12,7 @@ from ._copies import Copies
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
-from ._numbers import real, uint32
+from ._numbers import items_of, real, shown, uint32
 from ._structs import dataclass_of
 
 
@@ -45,11 +45,11 @@ class Phases(Handle):
 
     @phases.setter
     def phases(self, phases: Iterable[Phase] | Phase) -> None:
-        listed = [phases] if isinstance(phases, Phase) else list(phases)
+        listed = items_of("phases", phases, Phase, "a list of phases")
         structs = ffi.new("pbf_phase[]", max(len(listed), 1))
         for i, phase in enumerate(listed):
             if not isinstance(phase, Phase):
-                raise InvalidArgumentError(f"phases[{i}] is {phase!r}; it must be a Phase")
+                raise InvalidArgumentError(f"phases[{i}] is {shown(phase)}; it must be a Phase")
             check(lib.pbf_phase_init(ffi.addressof(structs, i), ffi.sizeof("pbf_phase")))
             structs[i].rest_density = real("rest_density", phase.rest_density)
             structs[i].viscosity = real("viscosity", phase.viscosity)

@@ -14,7 +14,7 @@ from ._arrays import AnyArray, numpy_of, packed, pointer
 from ._errors import InvalidArgumentError, check
 from ._handle import Handle
 from ._library import ffi, lib, new_struct
-from ._numbers import Vector, real, reals, shown, uint32
+from ._numbers import Vector, items_of, real, reals, shown, uint32
 
 Reals = NDArray[np.float64]
 
@@ -104,7 +104,7 @@ class Hits(NamedTuple):
 def struct_of(volume: Volume, target: Any) -> None:
     if not isinstance(volume, Volume) or type(volume) is Volume:
         raise InvalidArgumentError(
-            f"volume is {volume!r}; it must be a BoxVolume, BallVolume or CapsuleVolume")
+            f"volume is {shown(volume)}; it must be a BoxVolume, BallVolume or CapsuleVolume")
     volume._write(target)
 
 
@@ -140,7 +140,7 @@ class Queries(Handle):
     def measure(self, volumes: Volume | Iterable[Volume]) -> Any:
         """How much of a volume is below the surface, and how that flows: a `Flow`, or a list of
         them for a list of volumes."""
-        listed = list(volumes) if isinstance(volumes, Iterable) else [volumes]
+        listed = items_of("volumes", volumes, Volume, "a BoxVolume, BallVolume or CapsuleVolume, or a list of them")
         structs = ffi.new("pbf_volume[]", max(len(listed), 1))
         flows = ffi.new("pbf_volume_flow[]", max(len(listed), 1))
         for i, volume in enumerate(listed):
@@ -156,7 +156,7 @@ class Queries(Handle):
         wanted = (fields,) if isinstance(fields, str) else tuple(fields)
         for field in wanted:
             if not isinstance(field, str) or field not in FIELDS:
-                raise InvalidArgumentError(f"fields has {field!r}; each must be one of {FIELDS}")
+                raise InvalidArgumentError(f"fields has {shown(field)}; each must be one of {FIELDS}")
         count = uint32("the number of points", math.prod(shape))
         density, pressure = (np.empty(shape) if field in wanted else None
                              for field in ("density", "pressure"))
@@ -186,11 +186,10 @@ class Queries(Handle):
         number is the step along all axes."""
         grid = new_struct("pbf_sample_grid")
         n = self.dimension
-        if not isinstance(counts, Iterable):
-            raise InvalidArgumentError(f"counts is {shown(counts)}; it must have {n} numbers")
-        shape = tuple(uint32("counts", count) for count in counts)
-        if len(shape) != n:
-            raise InvalidArgumentError(f"counts is {shape}; it must have {n} numbers")
+        listed = items_of("counts", counts, type(None), f"a list of {n} numbers")
+        if len(listed) != n:
+            raise InvalidArgumentError(f"counts is {shown(listed)}; it must have {n} numbers")
+        shape = tuple(uint32("counts", count) for count in listed)
         steps = (step,) * n if isinstance(step, numbers.Real) else step
         for k, (a, b) in enumerate(zip(reals("origin", origin, (n,)), reals("step", steps, (n,)))):
             grid.counts[k], grid.origin[k], grid.step[k] = shape[k], a, b

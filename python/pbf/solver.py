@@ -14,7 +14,7 @@ from ._callbacks import Log, log_to_logging
 from ._copies import Copies
 from ._errors import InvalidArgumentError
 from ._library import ffi, lib, new_struct, text
-from ._numbers import real
+from ._numbers import real, shown
 from ._particles import Particles
 from ._state import State
 from ._steps import Steps
@@ -64,7 +64,7 @@ class Solver(Steps, Particles, Queries, Emission, DiffuseOf, Phases, State):
         given = None if positions is None else numpy_of("positions", positions)
         if given is not None and given.ndim == 0:
             raise InvalidArgumentError(
-                f"positions is {positions!r}; it must be an array of shape (count, dimension)")
+                f"positions is {shown(positions)}; it must be an array of shape (count, dimension)")
         if dimension is None:
             dimension = 3 if given is None or given.ndim != 2 else given.shape[1]
         if capacity is None:

@@ -100,12 +100,28 @@ def test_numbers_that_no_count_holds(dam):
              "axis 0 of heights is 8589934592"),
             (lambda: dam.sample_on_grid((2**31, 2**31, 4), (0, 0, 0), 0.1), "points is 18446744073709551616"),
             (lambda: dam.sample_on_grid((2**31, 2**31, 4), (0, 0, 0), 0.1, ()), "points is 18446744073709551616"),
-            (lambda: dam.sample_on_grid(5, (0, 0, 0), 0.1), "counts is 5; it must have 3 numbers"),
+            (lambda: dam.sample_on_grid(5, (0, 0, 0), 0.1), "counts is 5; it must be a list of 3 numbers"),
             (lambda: dam.remove_in_box(5), "lower is 5; it must be a list of 3 numbers"),
+            (lambda: dam.remove_in_box(np.array(5)), r"lower is array\(5\); it must be a list of 3 numbers"),
+            (lambda: pbf.Geometry(5), "handle is 5; it must be a pbf_shape"),
             (lambda: pbf.Solver(capacity=10, log=5), "log is 5; it must be a function")):
         with pytest.raises(pbf.InvalidArgumentError, match=said):
             call()
     assert dam.sample_on_grid((2, 2, 2), (0, 0, 0), np.float32(0.1)).densities.shape == (2, 2, 2)
+
+
+@pytest.mark.parametrize("name", ["colliders", "emitters", "drains", "reservoirs", "phases"])
+def test_lists_that_are_none(dam, name):
+    for value in (5, None, np.array(1.0), print):
+        with pytest.raises(pbf.InvalidArgumentError, match=f"{name} is .*; it must be a list of {name}"):
+            setattr(dam, name, value)
+    with pytest.raises(pbf.InvalidArgumentError, match=rf"{name}\[0\] is '(x+)…; it must be"):
+        setattr(dam, name, ["x" * 100_000])
+
+
+def test_a_reservoir_has_a_whole_phase(dam):
+    with pytest.raises(pbf.InvalidArgumentError, match="phase is 0.5; it must be an integer"):
+        dam.reservoirs = pbf.Reservoir((0.5, 0.5, 0.5), half_extents=(0.1, 0.1, 0.1), depth=0.1, phase=0.5)
 
 
 @pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickle.dumps])
