@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Union
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import DataError
+from ._numbers import shown
 
 _POSITIONS = re.compile(r"positions_(\d{6,})\.npy$")
 
@@ -46,6 +48,33 @@ class DumpFrame:
         return np.arange(self.count, dtype=np.uint32)
 
 
+def _is_number(value: Any) -> bool:
+    """One that float64 holds."""
+    return (isinstance(value, (int, float)) and not isinstance(value, bool)
+            and abs(value) <= sys.float_info.max)
+
+
+def _is_vector(value: Any, dimension: int) -> bool:
+    return (isinstance(value, list) and len(value) >= dimension
+            and all(number is None or _is_number(number) for number in value))
+
+
+def _first_wrong(about: dict[str, Any]) -> tuple[str, str] | None:
+    """The first member that is not what it must be, and what that is."""
+    dimension, times = about["dimension"], about.get("times", {})
+    if isinstance(dimension, bool) or dimension not in (2, 3):
+        return "dimension", "2 or 3"
+    for key in ("smoothing_radius", "time_step", "spacing"):
+        if not _is_number(about[key]) or about[key] < 0:
+            return key, "a number, at least 0"
+    for key in ("gravity", "domain_min", "domain_max"):
+        if not _is_vector(about[key], dimension):
+            return key, f"a list of {dimension} numbers, or null where there is no bound"
+    if not isinstance(times, dict) or not all(map(_is_number, times.values())):
+        return "times", "a number for each step"
+    return None
+
+
 class Dump(Sequence[DumpFrame]):
     """The frames of a folder, in the order of time; each is read when it is asked for.
 
@@ -68,21 +97,29 @@ class Dump(Sequence[DumpFrame]):
         except OSError as error:
             raise DataError(f"{path} can't be read ({error.strerror}); pbf-bench run --dump "
                             f"{self.folder} writes such a folder") from None
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise DataError(f"{path} is not JSON: {error}") from None
         wanted = ("dimension", "smoothing_radius", "spacing", "gravity", "domain_min", "domain_max",
                   "time_step")
         missing = [key for key in wanted if not isinstance(about, dict) or key not in about]
         if missing:
             raise DataError(f"{path} has no {', '.join(missing)}")
+        wrong = _first_wrong(about)
+        if wrong:
+            key, demand = wrong
+            raise DataError(f"{path}: {key} is {shown(about[key])}; it must be {demand}")
         return dict(about)
 
     def _array(self, what: str, step: int, shape: tuple[int, ...]) -> NDArray[Any]:
         path = self.folder / f"{what}_{step:06d}.npy"
         try:
             array = np.load(path, allow_pickle=False)
-        except (OSError, ValueError, EOFError) as error:
+            holds_numbers = array.dtype.kind == "f" and array.ndim == len(shape)
+        except Exception as error:  # of a damaged head NumPy raises whatever its parser does
             raise DataError(f"{path} can't be read: {error}") from None
+        if not holds_numbers:
+            raise DataError(f"{path} holds {array.dtype} in {array.ndim} dimensions; it must hold real "
+                            f"numbers in {len(shape)}")
         if array.shape[1:] != shape[1:] or (shape[0] >= 0 and len(array) != shape[0]):
             raise DataError(f"{path} has shape {array.shape}, which does not fit {shape}")
         return np.asarray(array)

@@ -74,3 +74,32 @@ def test_what_is_wrong_is_said(folder, tmp_path, capsys):
     assert "has no dimension" in refused(folder, tmp_path / "water.ply")
     (folder / "dump.json").write_text("{")
     assert "is not JSON" in refused(folder, tmp_path / "water.ply")
+
+
+@pytest.mark.parametrize("key, value", [
+    ("dimension", None), ("dimension", [3]), ("dimension", 4), ("time_step", "abc"), ("time_step", None),
+    ("spacing", "/dev/zero"), ("spacing", -1), ("gravity", 9.81), ("gravity", [0, 1]), ("gravity", [0, "a", 0]),
+    ("domain_min", {"x": 0}), ("domain_max", [10**400, 1, 1]), ("times", []), ("times", {"20": "late"}),
+    ("smoothing_radius", True)])
+def test_members_that_are_wrong_are_named(folder, key, value):
+    about = json.loads((folder / "dump.json").read_text())
+    (folder / "dump.json").write_text(json.dumps({**about, key: value}))
+    with pytest.raises(pbf.DataError, match=rf"dump.json: {key} is .*; it must be"):
+        pbf.load_dump(folder)
+
+
+def test_damaged_arrays_are_named(folder):
+    path = folder / "positions_000010.npy"
+    whole = path.read_bytes()
+    damaged = [whole[:at] for at in range(0, len(whole), 7)]
+    damaged += [whole[:at] + bytes([whole[at] ^ 1 << bit]) + whole[at + 1:] for at in range(128) for bit in range(8)]
+    for content in damaged:
+        path.write_bytes(content)
+        try:
+            assert pbf.load_dump(folder)[1].positions.shape == (4, 3)
+        except pbf.DataError as error:
+            assert path.name in str(error) or "_000010.npy" in str(error)
+    for array in (np.zeros(12), np.array(1.0), np.zeros((4, 3), "U3"), np.zeros((4, 3), int)):
+        np.save(path, array)
+        with pytest.raises(pbf.DataError, match="positions_000010.npy holds .*; it must hold real numbers in 2"):
+            pbf.load_dump(folder)[1]
