@@ -114,11 +114,11 @@ static void keep_piece(hull *h, uint32_t faces, uint32_t first) {
 /* Which faces go: those that the point is before. Of faces as thin as rounding that may be told
  * amiss, so that what goes is in pieces, or has holes: then the piece goes that is farthest behind
  * the point, and what surrounds the one that it is farthest before stays. */
-static uint32_t find_facing(hull *h, uint32_t faces, const double point[3]) {
+static uint32_t find_facing(hull *h, uint32_t faces, uint32_t point) {
   uint32_t most = 0, least = 0, any = 0, edges;
   double highest = -INFINITY, lowest = INFINITY;
   for (uint32_t f = 0; f < faces; ++f) {
-    const double ahead = before(h, h->faces[f], point);
+    const double ahead = before(h, h->faces[f], h->points[point]);
     any |= h->facing[f] = ahead > h->rounding;
     if (ahead > highest) highest = ahead, most = f;
     if (ahead < lowest) lowest = ahead, least = f;
@@ -135,7 +135,7 @@ static uint32_t find_facing(hull *h, uint32_t faces, const double point[3]) {
 }
 
 static void add_point(hull *h, uint32_t point) {
-  const uint32_t faces = h->count, edges = find_facing(h, faces, h->points[point]);
+  const uint32_t faces = h->count, edges = find_facing(h, faces, point);
   if (edges == 0) return;
   for (uint32_t e = 0; e < edges; ++e) {
     const edge *at = &h->horizon[e];
