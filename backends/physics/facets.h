@@ -35,6 +35,16 @@ PBF_FN pbf_real pbf_look_within(const pbf_surface *s, pbf_vec x, pbf_real enough
   return s->sign * distance;
 }
 
+/* The distance of any surface, where pbf_surface_distance has of a field what it is at least past
+ * its grid; of one that is farther than `enough` only that it is. */
+template <class Surface>
+PBF_FN pbf_real pbf_nearest_distance(const Surface *s, pbf_vec x, pbf_real enough,
+                                     pbf_vec *normal) {
+  int is_plane;
+  return pbf_surface_is_field(s) ? pbf_look_within(s, x, enough, normal, &is_plane)
+                                 : pbf_surface_distance(s, x, normal);
+}
+
 PBF_FN pbf_real pbf_look_at_field(const pbf_surface *s, pbf_vec x, pbf_vec *normal, int *is_plane) {
   return pbf_look_within(s, x, (pbf_real)INFINITY, normal, is_plane);
 }

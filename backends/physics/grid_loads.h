@@ -46,8 +46,11 @@ PBF_FN grid_load_solid grid_load_solid_of(double spacing, const pbf_load_plane &
 }
 
 template <class Obstacles>
-PBF_FN pbf_real solid_distance(const Obstacles &o, int solid, pbf_vec x, pbf_vec *normal) {
-  if (solid >= PBF_WALLS) return pbf_surface_distance(&o.surfaces[solid - PBF_WALLS], x, normal);
+PBF_FN pbf_real solid_distance(const Obstacles &o, int solid, double spacing, pbf_vec x,
+                               pbf_vec *normal) {
+  const pbf_real enough = (pbf_real)pbf_grid_load_reach(spacing);
+  if (solid >= PBF_WALLS)
+    return pbf_nearest_distance(&o.surfaces[solid - PBF_WALLS], x, enough, normal);
   *normal = {{0}};
   normal->c[solid / 2] = solid % 2 ? (pbf_real)-1 : (pbf_real)1;
   return pbf_wall_distance(&o.domain, solid, x);
@@ -60,7 +63,7 @@ PBF_FN void each_solid_near(const Obstacles &o, const Near &near, double spacing
   const pbf_real reach = (pbf_real)pbf_grid_load_reach(spacing);
   const auto ask = [&](int solid) {
     pbf_vec normal;
-    const pbf_real distance = solid_distance(o, solid, x, &normal);
+    const pbf_real distance = solid_distance(o, solid, spacing, x, &normal);
     if (distance < reach) meet(solid, distance, normal);
   };
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) ask(wall);
@@ -87,7 +90,8 @@ PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, d
   const pbf_vec before = pbf_add_scaled(x, (pbf_real)(spacing / 4) - p.distance, p.normal);
   pbf_vec normal;
   for (int i = 0; i < near.count; ++i)
-    if (i != k && (double)solid_distance(o, near.of[i].solid, before, &normal) < -0.05 * spacing)
+    if (i != k &&
+        (double)solid_distance(o, near.of[i].solid, spacing, before, &normal) < -0.05 * spacing)
       return true;
   return false;
 }

@@ -16,9 +16,7 @@
 enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
 
 PBF_FN_SELDOM pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
-  int is_plane;
-  return pbf_surface_is_field(s) ? pbf_look_at_field(s, y, normal, &is_plane)
-                                 : pbf_surface_distance(s, y, normal);
+  return pbf_nearest_distance(s, y, (pbf_real)INFINITY, normal);
 }
 
 PBF_FN pbf_real pbf_cell_of(const pbf_surface *s) {

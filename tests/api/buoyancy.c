@@ -188,14 +188,17 @@ static int outside_crate(const double x[3]) {
 }
 
 /* A box that is held three spacings deep, with a quarter of its height. That the fluid ends some
- * tenths of a spacing below where the grid's pressure does lifts it by nothing. */
-static void check_crate(uint32_t precision) {
+ * tenths of a spacing below where the grid's pressure does lifts it by nothing. As a hull, of which
+ * distances are known to some cells from it alone, it has the same lift: `cell` is that of a hull,
+ * and 0 of a box. */
+static void check_crate(uint32_t precision, double cell) {
   const double domain[3] = {2, 2.64, 1}, size[3] = {2, 1.2, 1};
   pbf_params params = load_params(2, domain);
   params.pressure_grid = 2;
   params.time_step = 1.0 / 85;
   pbf_collider body = load_collider(PBF_COLLIDER_BOX, 1, crate_bottom + crate / 2, 0);
   for (int k = 0; k < 2; ++k) body.half_extents[k] = crate / 2;
+  if (cell > 0) load_make_hull(2, cell, &body);
   load_scene s = load_scene_of(2, precision, &params, size, outside_crate, 1, &body);
   pbf_collider_load load;
   const double below = crate * (1.2 - crate_bottom);
@@ -203,9 +206,11 @@ static void check_crate(uint32_t precision) {
   load_colliders(&s, 1, &load);
   assert_ok(pbf_step(s.solver, 100));
   load_colliders(&s, 1, &load);
-  print_message("a crate: lift %.4f\n", load_force(&load, 1) / (load_gravity * below));
+  print_message("a crate%s: lift %.4f\n", cell > 0 ? " of a hull" : "",
+                load_force(&load, 1) / (load_gravity * below));
   load_expect("a crate's lift", load_force(&load, 1), load_gravity * below, 0.04);
   load_end(&s);
+  if (body.geometry) pbf_release_shape(body.geometry);
 }
 
 static const double dam_foot = 30 * 0.05, dam_water = 12 * 0.05;
@@ -275,7 +280,9 @@ static void check_rafts(uint32_t dimension, uint32_t precision) {
     return;
   }
   check_covered(precision);
-  check_crate(precision);
+  check_crate(precision, 0);
+  check_crate(precision, load_spacing / 4);
+  check_crate(precision, load_spacing / 2);
   check_dam(precision);
   check_raft(precision, 0.35, 1.0 / 60);
   check_raft(precision, 0, 1.0 / 30);

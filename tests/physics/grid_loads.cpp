@@ -145,9 +145,64 @@ static void a_ball_is_lifted_by_its_volume(void **state) {
   assert_near(sum / BALLS, lift, (PBF_DIM == 3 ? 0.02 : 0.01) * lift);
 }
 
+/* Of a box, at the nodes of a grid that goes on for three cells around it, as those of meshes do.
+ * The values are the caller's to free. */
+static pbf_shape box_of_distances(double half, double cell) {
+  pbf_shape shape = {};
+  const uint32_t nodes = (uint32_t)ceil(2 * half / cell) + 7;
+  uint32_t count = 1;
+  for (int k = 0; k < 3; ++k) {
+    shape.nodes[k] = k < PBF_DIM ? nodes : 1;
+    shape.origin[k] = -0.5 * cell * (nodes - 1);
+    shape.lower[k] = -half, shape.upper[k] = half;
+    count *= shape.nodes[k];
+  }
+  shape.cell = cell;
+  shape.bound = sqrt(PBF_DIM) * half;
+  shape.steepest = 1;
+  float *values = static_cast<float *>(calloc(count, sizeof *values));
+  assert_non_null(values);
+  for (uint32_t n = 0; n < count; ++n) {
+    const uint32_t at[3] = {n % nodes, n / nodes % nodes, n / nodes / nodes};
+    double inside = -half, out2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      const double beyond = fabs(shape.origin[k] + cell * at[k]) - half;
+      inside = fmax(inside, beyond);
+      out2 += beyond > 0 ? beyond * beyond : 0;
+    }
+    values[n] = (float)(inside > 0 ? sqrt(out2) : inside);
+  }
+  shape.values = values;
+  return shape;
+}
+
+/* Also where the pressure is looked at past the grid that its distances are on, a cell and a half
+ * to three spacings wide around it. */
+static void a_shape_is_lifted_by_its_volume(void **state) {
+  (void)state;
+  const double half = 4 * spacing, volume = pow(2 * half, PBF_DIM),
+               bar = PBF_DIM == 3 ? 0.12 : 0.02;
+  for (int n = 1; n <= 4; ++n) {
+    pbf_shape distances = box_of_distances(half, 0.25 * n * spacing);
+    pbf_collider box = collider(PBF_COLLIDER_SHAPE);
+    box.geometry = &distances;
+    box.scale = 1;
+    for (int k = 0; k < PBF_DIM; ++k)
+      box.position[k] = 0.5 * (k == 1 ? high : width) + (k == 1 ? 0.3 * spacing : 0);
+    const pbf_surface surface = surface_at(&box, 0, 1);
+    const all_loads all = loads_of(high, 1, &surface);
+    free(const_cast<float *>(distances.values));
+    print_message("cells of %g spacings: %.4f of its lift\n", 0.25 * n,
+                  all.force[WALLS][1] / (gravity * volume));
+    assert_near(all.force[WALLS][1], gravity * volume, bar * gravity * volume);
+    assert_near(all.force[WALLS][0], 0, bar * gravity * volume);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_floor_bears_the_water),
                                      cmocka_unit_test(a_box_that_floats_is_lifted),
-                                     cmocka_unit_test(a_ball_is_lifted_by_its_volume)};
+                                     cmocka_unit_test(a_ball_is_lifted_by_its_volume),
+                                     cmocka_unit_test(a_shape_is_lifted_by_its_volume)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
