@@ -4,13 +4,14 @@
  * to solids is no sum of pushes of theirs: it is the integral of p n over their surfaces. Where a
  * weight psi is 1 on a solid and 0 on all others, that is by Gauss's theorem the integral of the
  * slope of psi p over the fluid, whatever the solid's shape; and along an axis only those others
- * count which have a face across it. psi falls from 1 to 0 between half a
- * spacing and two and a half, so that its slope is that of a tent two spacings wide, which points a
- * spacing apart see as one together, wherever they are.
+ * count which have a face across it.
  *
  * The integral is a sum over points that lie evenly in the grid's cells. A sum over particles would
  * not have what is missing of them below a face that looks down, where water hangs up to a spacing
- * off, and the grid fills cells with its pressure however few they hold.
+ * off, and the grid fills cells with its pressure however few they hold. Each stands for a cube,
+ * and what psi changes by is told by its faces: these differences add up to 1 from one solid to
+ * another however near they are, where slopes in the middle of cubes do not. psi by itself falls
+ * from 1 to 0 within two and a half spacings, beginning where cubes end that the solid cuts.
  */
 #ifndef PBF_PHYSICS_GRID_LOADS_H
 #define PBF_PHYSICS_GRID_LOADS_H
@@ -23,26 +24,12 @@ PBF_FN double pbf_grid_load_reach(double spacing) { return 2.5 * spacing; }
 
 namespace {
 
-/* A solid near a particle; slopes are over its distance. */
-struct grid_load_solid {
-  pbf_load_plane plane;
-  double fall, fall_slope;     /* from 1 to 0 with the distance */
-  double weight, weight_slope; /* among all that are near */
-};
-
-PBF_FN grid_load_solid grid_load_solid_of(double spacing, const pbf_load_plane &plane) {
-  grid_load_solid s = {plane, 1, 0, 0, 0};
-  const pbf_real distance = plane.distance;
-  const double least = 0.1 * spacing, t = ((double)distance / spacing - 0.5) / 2;
-  if (t > 0) {
-    s.fall = t < 0.5 ? 1 - 2 * t * t : 2 * (1 - t) * (1 - t);
-    s.fall_slope = (t < 0.5 ? -4 * t : -4 * (1 - t)) / (2 * spacing);
-  }
-  const double from = fmax((double)distance, least);
-  s.weight = s.fall / from;
-  s.weight_slope = s.fall_slope / from;
-  if ((double)distance > least) s.weight_slope -= s.fall / (from * from);
-  return s;
+/* psi of a solid without others: 1 on it, 0 farther off than the reach. Over the width of a point's
+ * cube its mean slope is that of a tent, which begins where cubes end that the solid cuts. */
+PBF_FN double grid_load_fall(double spacing, double width, double distance) {
+  const double half = 0.5 * pbf_lesser(width, spacing);
+  const double from = 0.5 * spacing + half, to = pbf_grid_load_reach(spacing) - half;
+  return pbf_greater(pbf_lesser((to - distance) / (to - from), 1), 0);
 }
 
 template <class Obstacles>
@@ -72,6 +59,12 @@ PBF_FN void each_solid_near(const Obstacles &o, const Near &near, double spacing
   });
 }
 
+/* What of the cube around a point is free of solids, 0 to 1, and what is free of all but those that
+ * are across an axis: along it these are a part of psi, which is 1 inside of them. */
+struct grid_load_free {
+  double all, across[PBF_DIM];
+};
+
 /* The solids within reach of a point, as many as there is room for. */
 struct grid_load_solids {
   int count;
@@ -100,44 +93,32 @@ PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, d
 template <class Obstacles>
 PBF_FN_APART int find_grid_load_solids(const Obstacles &o, const grid_load_solids &near,
                                        double spacing, pbf_vec x,
-                                       grid_load_solid of[PBF_LOAD_PLANES]) {
+                                       pbf_load_plane of[PBF_LOAD_PLANES]) {
   int kept = 0;
   for (int k = 0; k < near.count; ++k)
-    if (!is_hidden(o, near, k, spacing, x)) of[kept++] = grid_load_solid_of(spacing, near.of[k]);
+    if (!is_hidden(o, near, k, spacing, x)) of[kept++] = near.of[k];
   return kept;
 }
 
 /* Whether a solid has a face across an axis: walls along it bear nothing that way, and take nothing
  * from those that do where they meet in an edge. */
-PBF_FN bool is_across(const grid_load_solid &of, int axis) {
-  return of.plane.solid >= PBF_WALLS || of.plane.solid / 2 == axis;
+PBF_FN bool is_across(const pbf_load_plane &of, int axis) {
+  return of.solid >= PBF_WALLS || of.solid / 2 == axis;
 }
 
-/* The slope of psi along an axis, psi being of the k-th of the solids among those across it, which
- * have this weight together; and psi. */
-struct grid_load_psi {
-  double slope, value;
-};
-
-PBF_FN grid_load_psi grid_load_psi_along(const grid_load_solid *of, int count, int k, int axis,
-                                         double sum) {
-  grid_load_psi psi = {0, 0};
-  if (!is_across(of[k], axis) || !(sum > 0)) return psi;
-  const double part = of[k].weight / sum;
-  for (int i = 0; i < count; ++i) {
-    if (!is_across(of[i], axis)) continue;
-    double along = of[k].fall * ((i == k) - part) / sum * of[i].weight_slope;
-    if (i == k) along += of[k].fall_slope * part;
-    psi.slope += along * (double)of[i].plane.normal.c[axis];
-  }
-  psi.value = of[k].fall * part;
-  return psi;
-}
-
-PBF_FN double grid_load_weight_across(const grid_load_solid *of, int count, int axis) {
+/* psi of each of the solids among those across an axis, so far along it from where they are at
+ * their distances. */
+PBF_FN void grid_load_psi_at(const pbf_load_plane *of, int count, double spacing, double width,
+                             int axis, double along, double psi[PBF_LOAD_PLANES]) {
   double sum = 0;
-  for (int i = 0; i < count; ++i) sum += is_across(of[i], axis) ? of[i].weight : 0;
-  return sum;
+  for (int k = 0; k < count; ++k) {
+    const double distance = (double)of[k].distance + along * (double)of[k].normal.c[axis];
+    const double fall = is_across(of[k], axis) ? grid_load_fall(spacing, width, distance) : 0;
+    const double weight = fall / pbf_greater(distance, 0.01 * spacing);
+    psi[k] = fall * weight;
+    sum += weight;
+  }
+  for (int k = 0; k < count; ++k) psi[k] = sum > 0 ? psi[k] / sum : 0;
 }
 
 /* What of a cube this wide around a place so deep is below the surface. */
@@ -164,23 +145,29 @@ PBF_FN double open_pressure(double p, const double slope[PBF_DIM], double spacin
  * density. */
 template <class Obstacles, class Pressure, class Take>
 PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o,
-                                const grid_load_solids &near, pbf_vec x, double width,
-                                double particles, Pressure pressure, Take take) {
-  grid_load_solid of[PBF_LOAD_PLANES];
+                                const grid_load_solids &near, const grid_load_free &free, pbf_vec x,
+                                pbf_vec at, double width, double particles, Pressure pressure,
+                                Take take) {
+  pbf_load_plane of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
-  double slope[PBF_DIM], open_slope[PBF_DIM], sum[PBF_DIM];
-  const double p = pressure(x, slope);
+  double slope[PBF_DIM], open_slope[PBF_DIM];
+  double before[PBF_DIM][PBF_LOAD_PLANES], after[PBF_DIM][PBF_LOAD_PLANES];
+  const double p = pressure(at, slope);
   const double one = open_pressure(p, slope, s->spacing, width, open_slope);
-  for (int j = 0; j < PBF_DIM; ++j) sum[j] = grid_load_weight_across(of, count, j);
+  for (int j = 0; j < PBF_DIM; ++j) {
+    grid_load_psi_at(of, count, s->spacing, width, j, -0.5 * width, before[j]);
+    grid_load_psi_at(of, count, s->spacing, width, j, 0.5 * width, after[j]);
+  }
   for (int k = 0; k < count; ++k) {
     load_share share = {{0}, {0}, {0}};
     for (int j = 0; j < PBF_DIM; ++j) {
-      const grid_load_psi psi = grid_load_psi_along(of, count, k, j, sum[j]);
-      share.change[j] = -s->time_step * particles * (p * psi.slope + psi.value * slope[j]);
-      share.open[j] = -s->spacing * particles * (one * psi.slope + psi.value * open_slope[j]);
+      const double rise = particles * free.across[j] * (after[j][k] - before[j][k]) / width;
+      const double mean = particles * free.all * 0.5 * (after[j][k] + before[j][k]);
+      share.change[j] = -s->time_step * (p * rise + mean * slope[j]);
+      share.open[j] = -s->spacing * (one * rise + mean * open_slope[j]);
     }
-    take(of[k].plane, share);
+    take(of[k], share);
   }
 }
 
@@ -193,30 +180,32 @@ PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
 /* What a point stands for, in cells. */
 PBF_FN double grid_load_cube(const pbf_pressure_grid *c) { return 1.0 / grid_load_points(c); }
 
-/* What of a cube of this width around x is free of solids, 0 to 1. Moves x out of the nearest, and
- * finds those that are within reach of it then. */
+/* What of a cube of this width around x is free of solids, and those that are within reach of it.
+ * Moves `at` out of the nearest. */
 template <class Obstacles, class Near>
-PBF_FN double grid_load_free_part(const Obstacles &o, const Near &near, double spacing,
-                                  double width, pbf_vec *x, grid_load_solids *found) {
-  double part = 1, nearest = 0.25 * width;
+PBF_FN grid_load_free grid_load_free_part(const Obstacles &o, const Near &near, double spacing,
+                                          double width, pbf_vec x, pbf_vec *at,
+                                          grid_load_solids *found) {
+  grid_load_free free;
+  free.all = 1;
+  for (int k = 0; k < PBF_DIM; ++k) free.across[k] = 1;
+  double nearest = 0.25 * width;
   pbf_vec out = {{0}};
-  bool moves = false;
   found->count = 0;
-  each_solid_near(o, near, spacing, *x, [&](int solid, pbf_real at, pbf_vec normal) {
-    const double distance = (double)at;
-    part *= pbf_greater(pbf_lesser(0.5 + distance / width, 1), 0);
-    found->take(solid, at, normal);
+  *at = x;
+  each_solid_near(o, near, spacing, x, [&](int solid, pbf_real from, pbf_vec normal) {
+    const double distance = (double)from;
+    const double part = pbf_greater(pbf_lesser(0.5 + distance / width, 1), 0);
+    free.all *= part;
+    for (int k = 0; k < PBF_DIM; ++k)
+      free.across[k] *= 1 - (1 - part) * (1 - (double)normal.c[k] * (double)normal.c[k]);
+    found->take(solid, from, normal);
     if (distance >= nearest) return;
     nearest = distance;
     out = normal;
-    moves = true;
   });
-  if (!moves || !(part > 0)) return part;
-  *x = pbf_add_scaled(*x, (pbf_real)(0.25 * width - nearest), out);
-  found->count = 0;
-  each_solid_near(o, near, spacing, *x,
-                  [&](int solid, pbf_real at, pbf_vec normal) { found->take(solid, at, normal); });
-  return part;
+  *at = pbf_add_scaled(x, (pbf_real)(0.25 * width - nearest), out);
+  return free;
 }
 
 /* A point of the cell that is the i-th along each axis. */
@@ -239,12 +228,13 @@ PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_press
                                        Pressure pressure, Take take) {
   const double width = c->width * grid_load_cube(c);
   grid_load_solids found;
-  const double part = grid_load_free_part(o, near, s->spacing, width, &x, &found);
-  if (!(part > 0) || !found.count) return;
-  const double particles = part * (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
+  pbf_vec at;
+  const grid_load_free free = grid_load_free_part(o, near, s->spacing, width, x, &at, &found);
+  if (!(free.all > 0) || !found.count) return;
+  const double particles = (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
   share_grid_pressure(
-      s, o, found, x, width, particles, pressure,
-      [&](const pbf_load_plane &plane, const load_share &share) { take(plane, x, share); });
+      s, o, found, free, x, at, width, particles, pressure,
+      [&](const pbf_load_plane &plane, const load_share &share) { take(plane, at, share); });
 }
 
 }  // namespace

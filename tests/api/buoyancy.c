@@ -146,7 +146,7 @@ static void check_raft(uint32_t precision, double angle, double time_step) {
   load_end(&s);
 }
 
-static const double ball_radius = 5 * 0.05, ball_at[3] = {0.365, 0.56, 0.355};
+static const double ball_radius = 5 * 0.05, cube_half = 4 * 0.05, ball_at[3] = {0.365, 0.56, 0.355};
 
 static int outside_ball(const double x[3]) {
   double r2 = 0;
@@ -154,17 +154,26 @@ static int outside_ball(const double x[3]) {
   return sqrt(r2) > ball_radius + 0.49 * load_spacing;
 }
 
-/* A ball in the middle of a tank not much wider. What is missing of the fluid's momentum, some
- * hundredths of its weight, is no lift of the ball's, which pressures ten times its weight press
- * on. */
-static void check_ball(uint32_t precision) {
+static int outside_cube(const double x[3]) {
+  double far = 0;
+  for (int k = 0; k < 3; ++k) far = fmax(far, fabs(x[k] - ball_at[k]));
+  return far > cube_half + 0.3 * load_spacing;
+}
+
+/* A ball or a cube in a tank not much wider, some two or three spacings from its walls. What is
+ * missing of the fluid's momentum, some hundredths of its weight, is no lift of theirs, which
+ * pressures ten times their weight press on; and on both sides of them these are the same. */
+static void check_ball(uint32_t precision, uint32_t shape) {
   const double domain[3] = {0.7, 2.2, 0.7}, size[3] = {0.7, 1.15, 0.7};
   pbf_params params = load_params(3, domain);
   params.pressure_grid = 2;
   params.time_step = 1.0 / 40;
-  pbf_collider body = load_collider(PBF_COLLIDER_SPHERE, ball_at[0], ball_at[1], ball_at[2]);
+  pbf_collider body = load_collider(shape, ball_at[0], ball_at[1], ball_at[2]);
   body.radius = ball_radius;
-  load_scene s = load_scene_of(3, precision, &params, size, outside_ball, 1, &body);
+  for (int k = 0; k < 3; ++k) body.half_extents[k] = cube_half;
+  const int is_ball = shape == PBF_COLLIDER_SPHERE;
+  load_scene s =
+      load_scene_of(3, precision, &params, size, is_ball ? outside_ball : outside_cube, 1, &body);
   pbf_collider_load load, walls[WALLS];
   assert_ok(pbf_step(s.solver, 100));
   load_colliders(&s, 1, &load);
@@ -172,9 +181,13 @@ static void check_ball(uint32_t precision) {
   assert_ok(pbf_step(s.solver, 60));
   load_colliders(&s, 1, &load);
   load_walls(&s, walls);
-  const double lift = load_gravity * 4.0 / 3 * acos(-1) * pow(ball_radius, 3);
+  const double lift =
+      load_gravity * (is_ball ? 4.0 / 3 * acos(-1) * pow(ball_radius, 3) : 8 * pow(cube_half, 3));
   const double weight = s.count * s.mass * load_gravity;
-  load_expect("a ball's lift", load_force(&load, 1), lift, 0.05);
+  print_message("a %s: lift %.3f, aside %.3f, %.3f\n", is_ball ? "ball" : "cube",
+                load_force(&load, 1) / lift, load_force(&load, 0) / lift,
+                load_force(&load, 2) / lift);
+  load_expect("the lift", load_force(&load, 1), lift, 0.05);
   assert_true(fabs(load_force(&load, 0)) < 0.03 * lift && fabs(load_force(&load, 2)) < 0.03 * lift);
   load_expect("what the floor carries", -load_force(&walls[PBF_WALL_Y_MIN], 1), weight + lift,
               0.01);
@@ -276,7 +289,8 @@ static void check_covered(uint32_t precision) {
 
 static void check_rafts(uint32_t dimension, uint32_t precision) {
   if (dimension == 3) {
-    check_ball(precision);
+    check_ball(precision, PBF_COLLIDER_SPHERE);
+    check_ball(precision, PBF_COLLIDER_BOX);
     return;
   }
   check_covered(precision);
