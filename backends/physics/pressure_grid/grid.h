@@ -33,6 +33,7 @@
 #include "physics/collide.h"
 #include "physics/depth.h"
 #include "physics/elementary.h"
+#include "physics/facets.h"
 
 /* A cell is filled from such a part of its free volume on. */
 #define PBF_PRESSURE_GRID_FILLED 0.6
@@ -271,7 +272,8 @@ PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[P
 template <class Surface>
 PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle) {
   pbf_vec normal;
-  const double distance = (double)pbf_surface_distance(s, middle, &normal);
+  const pbf_real enough = (pbf_real)(0.5 * c->width);
+  const double distance = (double)pbf_nearest_distance(s, middle, enough, &normal);
   return pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
 }
 
