@@ -50,6 +50,7 @@ typedef struct pbf_pressure_grid_topology {
   uint32_t first, limit, max_further; /* there may be so many further ones */
   uint32_t *counts;  /* of further compartments, further copies, torn nodes so far */
   uint64_t *samples; /* of compartments: their points */
+  uint64_t *clear;   /* of cells: points with no solid between them and what is nearest to them */
   uint64_t *links;   /* of cells: pbf_cell_link's, and how many compartments there are */
   uint64_t *merged;  /* of compartments: what they have of others, pbf_compartment_part's */
   uint32_t *further; /* of cells: the index of the second compartment */
@@ -112,7 +113,7 @@ static inline uint64_t pbf_pressure_grid_first_further(uint64_t limit) { return 
 
 /* Whole cache lines: colliders may lie behind it. */
 static inline uint64_t pbf_pressure_grid_topology_bytes(uint64_t limit) {
-  const uint64_t one = 2 * sizeof(uint64_t) + PBF_PARTS * (sizeof(uint64_t) + sizeof(double)) +
+  const uint64_t one = 3 * sizeof(uint64_t) + PBF_PARTS * (sizeof(uint64_t) + sizeof(double)) +
                        4 * sizeof(double) +
                        (7 + PBF_CORNERS + PBF_NODE_COMPARTMENTS) * sizeof(uint32_t);
   return (64 + limit * one + 63) / 64 * 64;
@@ -130,7 +131,8 @@ static inline pbf_pressure_grid_topology pbf_pressure_grid_topology_in(void *mem
   t.max_further = (uint32_t)(limit - pbf_pressure_grid_first_further(limit));
   t.counts = (uint32_t *)memory;
   t.samples = (uint64_t *)((char *)memory + 64);
-  t.links = t.samples + largest;
+  t.clear = t.samples + largest;
+  t.links = t.clear + largest;
   t.merged = t.links + largest;
   t.volumes = (double *)(t.merged + largest * PBF_PARTS);
   t.right = t.volumes + largest * PBF_PARTS;

@@ -31,6 +31,7 @@ PBF_FN void pbf_divide_cell(const pbf_pressure_grid *c, const Topology *t, uint3
     for (; count > 1; --count) found[0] |= found[count - 1];
   }
   t->further[cell] = t->first + further;
+  t->clear[cell] = points.clear;
   t->links[cell] = (uint64_t)1 << PBF_CELL_CUT_BIT | (uint64_t)count << PBF_CELL_COUNT_BIT;
   for (int k = 0; k < count || k == 0; ++k) {
     const uint32_t compartment = pbf_cell_compartment(t, cell, k);

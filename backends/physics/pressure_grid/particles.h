@@ -41,13 +41,14 @@ PBF_FN int pbf_is_seen(const Topology *t, const pbf_solids_beside &beside, pbf_v
   return 1;
 }
 
-/* The compartment of a free point that is nearer to x than any solid is to the point, and so hidden
- * by none; PBF_NO_INDEX: there is no such point. Distances of solids may be too large by half. */
-template <class Topology>
-PBF_FN uint32_t pbf_compartment_at_point(const pbf_pressure_grid *c, const Topology *t,
+/* The compartment of the nearest point where that is known without a look at solids; PBF_NO_INDEX
+ * elsewhere. Either no solid is between the point and what it is nearest to, or x is nearer to it
+ * than any solid: distances of solids may be too large by half. */
+PBF_FN uint32_t pbf_compartment_at_point(const pbf_pressure_grid *c,
+                                         const pbf_pressure_grid_topology *t,
                                          const double before[PBF_DIM]) {
-  const double near = 0.5 * PBF_SAMPLE_CLEARANCE;
-  int at[PBF_DIM];
+  const double near = 0.5 * PBF_SAMPLE_CLEARANCE, half = 0.5 - 1e-6; /* no other is as near */
+  int at[PBF_DIM], alone = 1;
   uint32_t cell = 0;
   double away = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k) {
@@ -56,10 +57,13 @@ PBF_FN uint32_t pbf_compartment_at_point(const pbf_pressure_grid *c, const Topol
     if (point < 0 || point >= PBF_SAMPLES * c->n[k]) return PBF_NO_INDEX;
     at[k] = point % PBF_SAMPLES;
     cell = cell * c->size[k] + (uint32_t)(point / PBF_SAMPLES + 1);
+    alone &= fabs(among - point) < half;
     away += (among - point) * (among - point);
   }
-  if (!(away < near * near)) return PBF_NO_INDEX;
-  const int k = pbf_compartment_with(t, cell, pbf_sample_index(at));
+  const int p = pbf_sample_index(at);
+  const int clear = alone && pbf_cell_is_cut(t, cell) && t->clear[cell] >> p & 1;
+  if (!clear && !(away < near * near)) return PBF_NO_INDEX;
+  const int k = pbf_compartment_with(t, cell, p);
   return k < 0 ? PBF_NO_INDEX : pbf_cell_compartment(t, cell, k);
 }
 

@@ -63,10 +63,15 @@ PBF_FN int pbf_thin_solid_reaches(const pbf_pressure_grid *c, const Topology *t,
   return 0;
 }
 
-/* Of a cell: which points are free, which are connected with the next one along each axis, and how
- * far each is from what is nearest, at most a distance between points. */
+/* Nothing is nearer to a point than to all others and farther from it, in distances between points:
+ * half a diagonal, with a margin. */
+#define PBF_SAMPLE_REACH (PBF_DIM == 3 ? 0.88f : 0.72f)
+
+/* Of a cell: which points are free, which see all that they are nearest to, which are connected
+ * with the next one along each axis, and how far each is from what is nearest, at most a distance
+ * between points. */
 typedef struct pbf_cell_points {
-  uint64_t free, open[PBF_DIM];
+  uint64_t free, clear, open[PBF_DIM];
   float nearest[64];
 } pbf_cell_points;
 
@@ -82,6 +87,8 @@ PBF_FN_APART void pbf_cell_points_around(const pbf_pressure_grid *c, const Surfa
     pbf_sample_place(p, at);
     distances[p] = (float)pbf_surface_distance(s, pbf_sample_at(c, i, at), &normal);
     if (!(distances[p] > PBF_SAMPLE_CLEARANCE * spacing)) points->free &= ~(UINT64_C(1) << p);
+    if (!(distances[p] > PBF_SAMPLE_REACH * (float)s->steepest * spacing))
+      points->clear &= ~(UINT64_C(1) << p);
     if (distances[p] < points->nearest[p]) points->nearest[p] = distances[p];
   }
   for (int p = 0; p < 64; ++p) {
@@ -103,7 +110,7 @@ PBF_FN void pbf_cell_points_within(const pbf_pressure_grid *c, const pbf_domain 
                                    const int i[PBF_DIM], pbf_cell_points *points) {
   int at[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) points->open[k] = 0;
-  points->free = PBF_ALL_SAMPLES;
+  points->free = points->clear = PBF_ALL_SAMPLES;
   for (int p = 0; p < 64; ++p) {
     pbf_sample_place(p, at);
     points->nearest[p] = (float)pbf_domain_distance(domain, pbf_sample_at(c, i, at));
@@ -128,6 +135,7 @@ PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c, const Topolog
     if (distance < (double)t->surfaces[s].steepest * reach)
       pbf_cell_points_around(c, pbf_topology_surface(t, s), i, points);
   }
+  points->clear &= points->free;
   for (int k = 0; k < PBF_DIM; ++k) {
     const int stride = pbf_sample_stride(k);
     points->open[k] &= points->free & points->free >> stride;
