@@ -147,9 +147,11 @@ static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values 
 }
 
 /* pbf_boundary_at of those surfaces alone that are near the particle itself, not only near its
- * group: what others in the group are near must not show in its density. 0: there are none. */
+ * group: what others in the group are near must not show in its density. 0: there are none. Walls
+ * at least contribution_reach away contribute nothing, and are not asked then. */
 static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c,
                                                           const pbf_obstacles *near, pbf_vec x,
+                                                          pbf_real to_wall,
                                                           pbf_boundary *boundary) {
   int met = 0;
   pbf_vec normal;
@@ -159,8 +161,11 @@ static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c
     return !(pbf_surface_distance(&s, x, &normal) > contribution_reach(c));
   };
   for (int k = 0; k < near->count && !met; ++k) met = is_near(near->surfaces[k]);
-  if (met) *boundary = pbf_boundary_at(c, *near, x);
-  return met;
+  if (!met) return 0;
+  *boundary = (pbf_boundary){0, 0, 0, {{0}}, {{0}}};
+  if (to_wall < contribution_reach(c)) *boundary = pbf_boundary_of_domain(c, &near->domain, x);
+  pbf_accumulate_colliders(c, *near, x, boundary);
+  return 1;
 }
 
 /* How far particles may get in a step's iterations before whether colliders are near them is asked
@@ -237,7 +242,7 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     pbf_boundary by_all;
     pbf_vec gradient = {{0}};
     if (asked && !asked->is[l]) continue;
-    if (!boundary_by_surfaces(c, &near, lane_value(x, l), &by_all)) continue;
+    if (!boundary_by_surfaces(c, &near, lane_value(x, l), distances[l], &by_all)) continue;
     boundary->density[l] = 0;
     pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
     boundary->rest[l] = by_all.rest;

@@ -127,11 +127,44 @@ PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32
 /* What is left of a move from x. */
 static __attribute__((noinline)) pbf_vec move_past_obstacles(const pbf_obstacles *o, pbf_vec x,
                                                              pbf_vec move) {
+  const pbf_vec kept = pbf_keep_in_domain(&o->domain, pbf_add_scaled(x, 1, move));
+  if (is_clear_way(o, 0, x, kept)) return pbf_sub(kept, x);
   if (!o->grid) return pbf_move_past_obstacles(*o, x, move);
   pbf_obstacles candidates;
   const group_bounds alone = bounds_of_way(x, pbf_add_scaled(x, 1, move));
   collision_candidates(o, &alone, 0, &candidates);
   return pbf_move_past_obstacles(candidates, x, move);
+}
+
+typedef struct pressure_grid_moves {
+  pbf_real along[PBF_DIM][PRESSURE_GRID_CHUNK];
+} pressure_grid_moves;
+
+/* What is asked of one particle after another is no part of this loop, so that the compiler makes
+ * vectors of it. */
+static __attribute__((noinline)) void find_moves(const pbf_pressure_grid *of,
+                                                 const pressure_grid_corners *corners,
+                                                 const pressure_grid_places *places, uint32_t count,
+                                                 pressure_grid_moves *restrict moves) {
+  const pbf_pressure_grid c = *of;
+  for (uint32_t l = 0; l < count; ++l) {
+    double values[PBF_CORNERS], place[PBF_DIM];
+    for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners->lambda[a][l];
+    for (int k = 0; k < PBF_DIM; ++k) place[k] = places->at[k][l];
+    const pbf_vec u = pbf_pressure_grid_correction_from(&c, values, place);
+    for (int k = 0; k < PBF_DIM; ++k) moves->along[k][l] = u.c[k];
+  }
+}
+
+/* What of them is left. */
+PBF_FN void keep_moves(const pbf_obstacles *obstacles, const field *x, uint32_t first,
+                       uint32_t count, pressure_grid_moves *moves) {
+  for (uint32_t l = 0; l < count; ++l) {
+    pbf_vec u;
+    for (int k = 0; k < PBF_DIM; ++k) u.c[k] = moves->along[k][l];
+    u = move_past_obstacles(obstacles, field_at(x, first + l), u);
+    for (int k = 0; k < PBF_DIM; ++k) moves->along[k][l] = u.c[k];
+  }
 }
 
 /* Past these obstacles, unless null; by mobilities where phases differ. */
@@ -144,24 +177,19 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
     pressure_grid_corners corners;
-    pbf_real moves[PBF_DIM][PRESSURE_GRID_CHUNK];
+    pressure_grid_moves moves;
     count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
     if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
     fetch_corners(storage, places.cells, count, &corners);
-    for (uint32_t l = 0; l < count; ++l) {
-      double values[PBF_CORNERS], at[PBF_DIM];
-      for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners.lambda[a][l];
-      for (int k = 0; k < PBF_DIM; ++k) at[k] = places.at[k][l];
-      pbf_vec u = pbf_pressure_grid_correction_from(&c, values, at);
-      if (mobility) u = pbf_scaled(u, carried * mobility[first + l]);
-      if (obstacles) u = move_past_obstacles(obstacles, field_at(&x, first + l), u);
-      for (int k = 0; k < PBF_DIM; ++k) moves[k][l] = u.c[k];
-    }
+    find_moves(&c, &corners, &places, count, &moves);
+    for (int k = 0; k < PBF_DIM && mobility; ++k)
+      for (uint32_t l = 0; l < count; ++l) moves.along[k][l] *= carried * mobility[first + l];
+    if (obstacles) keep_moves(obstacles, &x, first, count, &moves);
     for (int k = 0; k < PBF_DIM; ++k) {
       pbf_real *to = x.c[k] + first, *velocity = v.c[k] + first;
-      for (uint32_t l = 0; l < count; ++l) to[l] += moves[k][l];
-      for (uint32_t l = 0; l < count; ++l) velocity[l] += inv_time_step * moves[k][l];
+      for (uint32_t l = 0; l < count; ++l) to[l] += moves.along[k][l];
+      for (uint32_t l = 0; l < count; ++l) velocity[l] += inv_time_step * moves.along[k][l];
     }
   }
 }

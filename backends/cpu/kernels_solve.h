@@ -246,6 +246,16 @@ static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
   return asked;
 }
 
+/* Those that meet no collider, and stay where the domain keeps them, are not asked. */
+PBF_FN void leave_clear_ways(const pbf_obstacles *o, const lane_values *from,
+                             const lane_values *kept, uint32_t lanes, lanes_asked *asked) {
+  asked->any = 0;
+  for (uint32_t l = 0; l < lanes; ++l) {
+    if (asked->is[l]) asked->is[l] = !is_clear_way(o, 0, lane_value(from, l), lane_value(kept, l));
+    asked->any |= asked->is[l];
+  }
+}
+
 /* Bounds of those that are asked, on their ways. */
 static __attribute__((noinline)) group_bounds bounds_of_asked(const lanes_asked *asked,
                                                               const lane_values *from,
@@ -268,9 +278,10 @@ static __attribute__((noinline)) void resolve_group(const pair_pass *p,
                                                     const pbf_obstacles *obstacles,
                                                     const lane_values *from, lane_values *x,
                                                     uint32_t first, uint32_t lanes) {
-  const lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
+  lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
   const lane_values ends = *x;
   clamp_group(obstacles, x);
+  if (asked.any && p->clear.is_clear) leave_clear_ways(obstacles, from, x, lanes, &asked);
   if (!asked.any) return;
   const group_bounds these = bounds_of_asked(&asked, from, &ends, lanes);
   resolve_ways(obstacles, &these, 0, [&](auto resolve) {

@@ -134,6 +134,7 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
     axis.c[k] = 1;
     pbf_real rise, fall, value = pbf_wall_density(c, pbf_wall_distance(domain, 2 * k, x), &rise);
     value += pbf_wall_density(c, pbf_wall_distance(domain, 2 * k + 1, x), &fall);
+    if (value == 0 && rise == fall) continue; /* it would add nothing */
     pbf_accumulate_wall(c, value, rise - fall, axis, &boundary);
   }
   return boundary;
@@ -183,14 +184,21 @@ PBF_FN pbf_vec pbf_boundary_gradient(const pbf_boundary *boundary) {
 
 namespace {
 
+/* Adds what all colliders contribute at x. */
+template <class Obstacles>
+PBF_FN void pbf_accumulate_colliders(const pbf_constants *c, const Obstacles &o, pbf_vec x,
+                                     pbf_boundary *boundary) {
+  const auto all = [&](auto visit) {
+    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
+  };
+  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, x, all, boundary);
+}
+
 /* What all surfaces contribute at x. */
 template <class Obstacles>
 PBF_FN pbf_boundary pbf_boundary_at(const pbf_constants *c, const Obstacles &o, pbf_vec x) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  const auto all = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
-  };
-  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, x, all, &boundary);
+  pbf_accumulate_colliders(c, o, x, &boundary);
   return boundary;
 }
 
