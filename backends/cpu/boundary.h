@@ -229,9 +229,11 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     boundary_of_domain(c, &o->domain, x, boundary);
     return;
   }
+  /* Where few are asked each looks for its own. */
+  const bool each_alone = o->grid && asked;
   pbf_obstacles near;
-  int met = 0;
-  if (!asked || asked->any) {
+  int met = asked ? asked->any : 1;
+  if (met && !each_alone) {
     const group_bounds these = bounds_of_group(x, x);
     met = obstacles_within(o, &these, contribution_reach(c), &near);
   }
@@ -242,6 +244,7 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     pbf_boundary by_all;
     pbf_vec gradient = {{0}};
     if (asked && !asked->is[l]) continue;
+    if (each_alone) near = pbf_obstacles_near(*o, lane_value(x, l), c->h);
     if (!boundary_by_surfaces(c, &near, lane_value(x, l), distances[l], &by_all)) continue;
     boundary->density[l] = 0;
     pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
