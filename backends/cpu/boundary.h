@@ -230,7 +230,7 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     return;
   }
   /* Where few are asked each looks for its own. */
-  const bool each_alone = o->grid && asked;
+  const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
   pbf_obstacles near;
   int met = asked ? asked->any : 1;
   if (met && !each_alone) {

@@ -5,14 +5,15 @@
 #include "cpu/kernels.h"
 #include "cpu/broad_phase.h"
 
-/* Whether a particle meets no collider between `from` and where the domain keeps it: by the balls
- * around those near where it begins. So it is for most, and then none need be asked. */
-static __attribute__((noinline)) bool is_clear_way(const pbf_obstacles *o, int with_obstacle_motion,
-                                                   pbf_vec from, pbf_vec kept) {
+/* Whether a particle meets no collider, where it stands, between `from` and where the domain keeps
+ * it: by the balls around those near where it begins. So it is for most, and then none need be
+ * asked. */
+static inline __attribute__((noinline)) bool is_clear_way(const pbf_obstacles *o, pbf_vec from,
+                                                          pbf_vec kept) {
   const pbf_real way = way_along_axes(from, kept);
   const pbf_real stretch = o->grid ? (pbf_real)o->grid->stretch : 1;
   const pbf_obstacles near = pbf_obstacles_near(*o, from, stretch * way);
-  const auto on_way = surfaces_on_way_of(near.surfaces, with_obstacle_motion, from, way);
+  const auto on_way = surfaces_on_way_of(near.surfaces, 0, from, way);
   for (int k = 0; k < pbf_surface_count(near); ++k)
     if (on_way.may_meet(near.surfaces[k])) return false;
   return true;

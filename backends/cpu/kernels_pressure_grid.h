@@ -127,8 +127,10 @@ PBF_FN void fetch_corners(const pbf_pressure_grid_storage *storage, const uint32
 /* What is left of a move from x. */
 static __attribute__((noinline)) pbf_vec move_past_obstacles(const pbf_obstacles *o, pbf_vec x,
                                                              pbf_vec move) {
-  const pbf_vec kept = pbf_keep_in_domain(&o->domain, pbf_add_scaled(x, 1, move));
-  if (is_clear_way(o, 0, x, kept)) return pbf_sub(kept, x);
+  if (!BUILT_FOR_SIZE) {
+    const pbf_vec kept = pbf_keep_in_domain(&o->domain, pbf_add_scaled(x, 1, move));
+    if (is_clear_way(o, x, kept)) return pbf_sub(kept, x);
+  }
   if (!o->grid) return pbf_move_past_obstacles(*o, x, move);
   pbf_obstacles candidates;
   const group_bounds alone = bounds_of_way(x, pbf_add_scaled(x, 1, move));

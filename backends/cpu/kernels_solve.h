@@ -251,7 +251,7 @@ PBF_FN void leave_clear_ways(const pbf_obstacles *o, const lane_values *from,
                              const lane_values *kept, uint32_t lanes, lanes_asked *asked) {
   asked->any = 0;
   for (uint32_t l = 0; l < lanes; ++l) {
-    if (asked->is[l]) asked->is[l] = !is_clear_way(o, 0, lane_value(from, l), lane_value(kept, l));
+    if (asked->is[l]) asked->is[l] = !is_clear_way(o, lane_value(from, l), lane_value(kept, l));
     asked->any |= asked->is[l];
   }
 }
@@ -281,7 +281,8 @@ static __attribute__((noinline)) void resolve_group(const pair_pass *p,
   lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
   const lane_values ends = *x;
   clamp_group(obstacles, x);
-  if (asked.any && p->clear.is_clear) leave_clear_ways(obstacles, from, x, lanes, &asked);
+  if (!BUILT_FOR_SIZE && asked.any && p->clear.is_clear)
+    leave_clear_ways(obstacles, from, x, lanes, &asked);
   if (!asked.any) return;
   const group_bounds these = bounds_of_asked(&asked, from, &ends, lanes);
   resolve_ways(obstacles, &these, 0, [&](auto resolve) {

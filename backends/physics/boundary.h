@@ -134,7 +134,6 @@ PBF_FN pbf_boundary pbf_boundary_of_domain(const pbf_constants *c, const pbf_dom
     axis.c[k] = 1;
     pbf_real rise, fall, value = pbf_wall_density(c, pbf_wall_distance(domain, 2 * k, x), &rise);
     value += pbf_wall_density(c, pbf_wall_distance(domain, 2 * k + 1, x), &fall);
-    if (value == 0 && rise == fall) continue; /* it would add nothing */
     pbf_accumulate_wall(c, value, rise - fall, axis, &boundary);
   }
   return boundary;
