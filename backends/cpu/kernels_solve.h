@@ -250,7 +250,7 @@ static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
 PBF_FN void leave_clear_ways(const pbf_obstacles *o, const lane_values *from,
                              const lane_values *kept, uint32_t lanes, lanes_asked *asked) {
   asked->any = 0;
-  for (uint32_t l = 0; l < lanes; ++l) {
+  for (uint32_t l = 0; l < WIDTH && l < lanes; ++l) {
     if (asked->is[l]) asked->is[l] = !is_clear_way(o, lane_value(from, l), lane_value(kept, l));
     asked->any |= asked->is[l];
   }
