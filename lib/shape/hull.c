@@ -287,7 +287,7 @@ static void round_points(hull *h, uint32_t count) {
   const double unit = ldexp(1, exponent - 16);
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t k = 0; k < h->dimension; ++k)
-      h->points[i][k] = unit * nearbyint(h->points[i][k] / unit) + 0.0;
+      h->points[i][k] = unit * floor(h->points[i][k] / unit + 0.5) + 0.0;
   h->rounding = 0;
 }
 
