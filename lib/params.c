@@ -185,11 +185,6 @@ static pbf_status check_periodic(const pbf_params *params, uint32_t axis) {
                       params->wall_velocity[wall] != 0 ? params->wall_velocity[wall]
                                                        : params->wall_amplitude[wall],
                       axis);
-  if (params->pressure_grid > 0)
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "params.pressure_grid is %.9g; it must be 0, or -1, with params.periodic, for "
-                    "its cells end at walls",
-                    params->pressure_grid);
   return PBF_OK;
 }
 

@@ -112,7 +112,8 @@ static inline int pbf_pressure_grid_stands(const pbf_pressure_grid_storage *stor
   return storage->topology.counts[PBF_TOPOLOGY_FOUND] &&
          memcmp(&storage->grid, now, sizeof *now) == 0 && of->count == o->count &&
          memcmp(&of->domain, &o->domain, sizeof o->domain) == 0 &&
-         memcmp(of->surfaces.all, o->surfaces.all, (size_t)o->count * sizeof *o->surfaces.all) == 0;
+         (o->count == 0 || memcmp(of->surfaces.all, o->surfaces.all,
+                                  (size_t)o->count * sizeof *o->surfaces.all) == 0);
 }
 
 /* Finds, from a cell's middle, the surfaces that matter to the cell. */
@@ -126,9 +127,10 @@ static inline void pbf_pressure_grid_reach(const pbf_pressure_grid *c, const pbf
 static inline void pbf_pressure_grid_note_surfaces(pbf_pressure_grid_storage *storage,
                                                    const pbf_obstacles *o, pbf_surface *surfaces) {
   pbf_pressure_grid_topology *t = &storage->topology;
-  memcpy(surfaces, o->surfaces.all, (size_t)o->count * sizeof *surfaces);
+  if (o->count > 0) memcpy(surfaces, o->surfaces.all, (size_t)o->count * sizeof *surfaces);
   storage->obstacles = *o;
   storage->obstacles.surfaces.all = t->surfaces = surfaces;
+  t->is_active = 1;
   t->surface_count = o->count;
   t->domain = o->domain;
   t->grid = o->grid;
@@ -147,7 +149,8 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
   pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit);
   *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
-  if (!memory->bytes || !pbf_pressure_grid_has_thin(&now, o)) {
+  if (!memory->bytes ||
+      !(pbf_pressure_grid_has_thin(&now, o) || pbf_pressure_grid_is_periodic(&now))) {
     storage->grid = now;
     pbf_pressure_grid_reach(&now, o);
     return;
@@ -185,8 +188,8 @@ static inline bool pbf_topology_loses_shape(const pbf_pressure_grid_storage *sto
 }
 
 static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_topology *t) {
-  return t->surface_count ? t->first + pbf_pressure_grid_further_count(t, PBF_FURTHER_COMPARTMENTS)
-                          : t->first;
+  return t->is_active ? t->first + pbf_pressure_grid_further_count(t, PBF_FURTHER_COMPARTMENTS)
+                      : t->first;
 }
 
 /* Before particles add to the sums, in a grid for `count` of them. `surfaces` is room for as many
@@ -267,7 +270,7 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
         const pbf_obstacles near = pbf_obstacles_near(*o, pbf_cell_middle(c, i), (pbf_real)reach);
         whole = pbf_pressure_grid_free_volume_at(c, near, i);
       }
-      if (t->surface_count) whole = pbf_compartment_volume(t, cell, whole);
+      if (t->is_active) whole = pbf_compartment_volume(t, cell, whole);
       storage->free_volumes[cell] = whole;
       if (pbf_pressure_grid_is_filled(c, storage->sums[cell], storage->free_volumes[cell]))
         pbf_pressure_grid_extend(c, &extent, i);
@@ -346,7 +349,7 @@ static inline void pbf_pressure_grid_guess_all(pbf_pressure_grid_storage *storag
   const pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid_guess_torn(storage, source_scale->part);
   for (uint32_t column = 0; column < pbf_pressure_grid_columns(c); ++column)
-    if (t->surface_count)
+    if (t->is_active)
       pbf_pressure_grid_guess_between(c, t, source_scale->part, storage->inverse,
                                       storage->free_volumes, storage->depths, column,
                                       storage->lambda);
@@ -378,7 +381,7 @@ static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *stor
     uint32_t row = pbf_pressure_grid_row(c, i);
     for (int x = nodes->first[0]; x <= nodes->last[0]; ++x) {
       const uint32_t node = row + (uint32_t)x;
-      if (pbf_pressure_grid_is_open(depths[node]) && !(t->surface_count && t->torn[node]))
+      if (pbf_pressure_grid_is_open(depths[node]) && !(t->is_active && t->torn[node]))
         lambda[node] = pbf_pressure_grid_node_beyond(c, t, depths, free_volumes, lambda, node);
     }
   } while (pbf_pressure_grid_next_row(nodes, i));

@@ -110,7 +110,7 @@ static pbf_status take_schedule(Solver *s, const pbf_schedule *schedule, const p
     s->host->set_error(sentence);
     return PBF_ERROR_UNSUPPORTED;
   }
-  const bool drops_topology = s->schedule.solids && !schedule->solids;
+  const bool drops_topology = s->schedule.has_topology && !schedule->has_topology;
   if (!schedule->may_have_grid || drops_topology || !schedule->accelerated) settle_pressures(s);
   if (!keep_arrays(s, *schedule, *params)) {
     keep_arrays(s, s->schedule, s->params);

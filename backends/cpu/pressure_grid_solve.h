@@ -103,8 +103,7 @@ static double find_equations(solver *s, const pbf_pressure_grid_source_scale *so
     s->kernels->equations(storage, source_scale, i, nodes.last[0], row);
     for (int x = nodes.first[0]; x <= nodes.last[0]; ++x) {
       uint32_t node = row + (uint32_t)x;
-      if (storage->topology.surface_count && storage->topology.torn[node])
-        storage->inverse[node] = 0;
+      if (storage->topology.is_active && storage->topology.torn[node]) storage->inverse[node] = 0;
       if (!(storage->inverse[node] > 0)) continue;
       storage->inverse[node] =
           pbf_pressure_grid_end_equation(&storage->grid, &storage->topology, storage->free_volumes,

@@ -238,7 +238,7 @@ struct executor : launcher {
       const bool stand = !moving.surfaces && !moving.others;
       if (status == PBF_OK) status = find_topology(s, arrays, extras.obstacles.surfaces, stand);
       if (status != PBF_OK) return;
-      const bool torn = s->pressure_grid_solids > 0;
+      const bool torn = s->pressure_grid_is_torn;
       pbf_real *densities = reinterpret_cast<pbf_real *>(moved); /* free before the first move */
       with_kernel(s->schedule.features, [&](auto features) {
         constexpr int F = decltype(features)::value;

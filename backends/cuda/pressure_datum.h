@@ -67,7 +67,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 static inline void find_datum(const solver *s) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   const pressure_grid_arrays arrays = pressure_grid_of(s);
-  const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
+  const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_is_torn ? indices : 0;
   const uint32_t blocks = blocks_for(indices);
   begin_datum_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays, indices);
   datum_kernel<pbf_datum_join><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);

@@ -199,7 +199,7 @@ static __device__ __forceinline__ bool has_compartment(const pbf_pressure_grid &
                                                        uint32_t index) {
   const pbf_pressure_grid_topology &t = a.topology;
   if (index < grid.nodes) return true;
-  return t.surface_count && index >= t.first &&
+  return t.is_active && index >= t.first &&
          index - t.first < pbf_pressure_grid_further_count(&t, PBF_FURTHER_COMPARTMENTS);
 }
 
@@ -232,7 +232,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   double free_volume = 0;
   if (cell < grid.nodes && !pbf_cell_is_cut(t, cell))
     free_volume = free_volume_of<SURFACES>(grid, o, cell);
-  if (t->surface_count) free_volume = pbf_compartment_volume(t, cell, free_volume);
+  if (t->is_active) free_volume = pbf_compartment_volume(t, cell, free_volume);
   a.free_volumes[cell] = free_volume;
   if (!pbf_pressure_grid_is_filled(&grid, (int64_t)a.sums[cell], free_volume)) return;
   int i[PBF_DIM];
@@ -288,7 +288,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (node < grid.nodes) {
     pbf_pressure_grid_equation(&grid, &a.topology, &source_scale, pressure_grid_integers(a.sums),
                                a.free_volumes, a.depths, node, &right, &inverse);
-    if (a.topology.surface_count && a.topology.torn[node]) inverse = 0;
+    if (a.topology.is_active && a.topology.torn[node]) inverse = 0;
     if (a.cell_moves && inverse > 0)
       right += pbf_drag_at_node(&grid, source_scale.part, pressure_grid_integers(a.sums),
                                 pressure_grid_integers(a.cell_moves), a.free_volumes, node);

@@ -95,7 +95,7 @@ static inline pressure_grid_way way_of_solve(const solver *s, const pbf_pressure
                                              const pressure_grid_arrays &arrays) {
   const size_t most = pressure_grid_max_shared(s);
   pressure_grid_way way = {};
-  if (s->pressure_grid_solids) return way;
+  if (s->pressure_grid_is_torn) return way;
   if (!pressure_grid_has_levels(grid) || grid.nodes <= PRESSURE_GRID_IN_CLUSTER)
     way.blocks = pressure_grid_blocks(s, grid);
   if (way.blocks) way.shared = pressure_grid_shared(grid, way.blocks);
@@ -132,8 +132,8 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
 
 /* Indices of cells and nodes that a kernel over all of them has threads for. */
 static inline uint32_t pressure_grid_indices(const solver *s) {
-  return s->pressure_grid_solids ? (uint32_t)pbf_pressure_grid_max_nodes(s->scene_capacity)
-                                 : s->pressure_grid.nodes;
+  return s->pressure_grid_is_torn ? (uint32_t)pbf_pressure_grid_max_nodes(s->scene_capacity)
+                                  : s->pressure_grid.nodes;
 }
 
 /* Before the particles are summed up, in sums that lie elsewhere on ranks. */
@@ -161,7 +161,7 @@ static inline pbf_status clear_pressure_grid(solver *s, const pressure_grid_arra
 static inline pbf_status add_sums_of_ranks(solver *s, const pressure_grid_arrays &arrays) {
   const rank_state &r = s->ranks;
   const pbf_pressure_grid_topology &t = arrays.topology;
-  const bool torn = s->pressure_grid_solids > 0;
+  const bool torn = s->pressure_grid_is_torn;
   const rank_indices indices = {pressure_grid_indices(s),
                                 torn ? t.first : PBF_NO_INDEX,
                                 t.max_further,
@@ -215,19 +215,20 @@ static inline found_topology topology_wanted(const solver *s) {
  * they `stand`. */
 static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &arrays,
                                        const pbf_surface *surfaces, bool stand) {
-  if (!s->pressure_grid_solids) return PBF_OK;
+  if (!s->pressure_grid_is_torn) return PBF_OK;
   const pbf_pressure_grid &grid = s->pressure_grid;
   const uint32_t blocks = blocks_for(grid.nodes);
   const found_topology wanted = topology_wanted(s);
   if (stand && memcmp(&s->topology, &wanted, sizeof wanted) == 0) return PBF_OK;
   s->topology.memory = nullptr;
   if (pbf_status status = clear_topology(s, arrays)) return status;
-  if (pbf_status status =
-          pbf_cuda_check(cudaMemcpyAsync(const_cast<pbf_surface *>(arrays.topology.surfaces),
-                                         surfaces, s->pressure_grid_solids * sizeof *surfaces,
-                                         cudaMemcpyDeviceToDevice, s->stream),
-                         "cudaMemcpyAsync"))
-    return status;
+  if (s->pressure_grid_solids > 0)
+    if (pbf_status status =
+            pbf_cuda_check(cudaMemcpyAsync(const_cast<pbf_surface *>(arrays.topology.surfaces),
+                                           surfaces, s->pressure_grid_solids * sizeof *surfaces,
+                                           cudaMemcpyDeviceToDevice, s->stream),
+                           "cudaMemcpyAsync"))
+      return status;
   with_surfaces(s, [&](auto surfaces_of_step) {
     constexpr surfaces_met SURFACES = decltype(surfaces_of_step)::value;
     divide_cells_kernel<SURFACES><<<blocks, PBF_BLOCK, 0, s->stream>>>(grid, arrays);
@@ -244,7 +245,7 @@ static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &ar
 static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   const uint32_t columns = pbf_pressure_grid_columns(&grid);
-  if (!s->pressure_grid_solids) {
+  if (!s->pressure_grid_is_torn) {
     launch_early(s, pressure_grid_guess_kernel, blocks_for(32 * columns), PBF_BLOCK, 0, grid,
                  arrays);
     return;
@@ -258,7 +259,7 @@ static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {
 static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &obstacles) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   pressure_grid_arrays arrays = pressure_grid_of(s);
-  const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_solids ? indices : 0;
+  const uint32_t indices = pressure_grid_indices(s), torn = s->pressure_grid_is_torn ? indices : 0;
   const uint32_t blocks = blocks_for(indices), with_torn = blocks_for(grid.nodes + torn);
   with_surfaces(s, [&](auto surfaces) {
     launch_early(s, pressure_grid_cells_kernel<decltype(surfaces)::value>, blocks, PBF_BLOCK, 0,
@@ -291,8 +292,10 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     thin = thin || pbf_surface_is_thin(&s->pressure_grid, &surface);
   }
-  s->pressure_grid_solids = thin && s->topology_memory ? (int)s->collider_count : 0;
-  if (s->pressure_grid_solids)
+  s->pressure_grid_is_torn =
+      s->topology_memory && (thin || pbf_pressure_grid_is_periodic(&s->pressure_grid));
+  s->pressure_grid_solids = s->pressure_grid_is_torn ? (int)s->collider_count : 0;
+  if (s->pressure_grid_is_torn)
     s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear,
                                                  pbf_pressure_grid_first_further(limit));
 }

@@ -88,7 +88,7 @@ static inline pbf_status apply_params(solver *s, const pbf_params *params, uint3
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = !has_ranks(s) && small_wanted(params, schedule),
        was_small = s->small_upload != nullptr;
-  if (!schedule.runs[PBF_STAGE_GRID] || (s->topology_memory && !schedule.solids))
+  if (!schedule.runs[PBF_STAGE_GRID] || (s->topology_memory && !schedule.has_topology))
     if (pbf_status status = add_weight(s)) return status;
   if (pbf_status status = take_lists(s, params, chunks, small || was_small)) return status;
   if (pbf_status status = take_for_scene(s, schedule, *params, small)) {

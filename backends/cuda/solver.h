@@ -95,7 +95,8 @@ struct solver {
   uint32_t pressure_grid_cluster;  /* most blocks of a cluster; 0: it has none */
   pbf_pressure_grid pressure_grid; /* of the last step, … */
   double pressure_grid_scale;      /* … as is this, of lambda, … */
-  int pressure_grid_solids;        /* … and the colliders in it; 0: none is thin */
+  bool pressure_grid_is_torn;      /* by colliders that are thin, or periodic axes, … */
+  int pressure_grid_solids;        /* … and the colliders in it, if so */
   pbf_domain pressure_grid_domain; /* between these walls */
   found_topology topology;         /* what the device's is of */
   uint64_t *all_asleep;   /* in the host's memory: the epoch in which the device found that; with
@@ -212,7 +213,7 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
 /* Without arrays where the scene has no pressure grid. */
 static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   if (!PBF_HAS_PRESSURE_GRID || !s->pressure_grid_memory) return pressure_grid_arrays{};
-  const bool torn = s->topology_memory && s->pressure_grid_solids;
+  const bool torn = s->pressure_grid_is_torn;
   const uint64_t limit = pbf_pressure_grid_max_nodes(s->scene_capacity);
   pressure_grid_arrays a = pressure_grid_arrays_in(s->pressure_grid_memory, s->scene_capacity,
                                                    torn ? (uint32_t)limit : s->pressure_grid.nodes);
@@ -223,6 +224,7 @@ static inline pressure_grid_arrays pressure_grid_of(const solver *s) {
   a.topology.surfaces = s->pressure_grid_solids > PBF_FEW_COLLIDERS
                             ? s->many.divided
                             : pressure_grid_surfaces(s->topology_memory, s->scene_capacity);
+  a.topology.is_active = 1;
   a.topology.surface_count = s->pressure_grid_solids;
   a.topology.domain = s->pressure_grid_domain;
   return a;

@@ -80,7 +80,7 @@ static inline int pbf_depth_is_deep(const pbf_params *params, int axis, double d
 }
 
 /* Of so many particles, settled in the domain or in a container within it, along the axis of the
- * gravity's largest component. */
+ * gravity's largest component of those that have walls; periodic ones have no floor. */
 typedef struct pbf_settled {
   double fluid;  /* the particles' volume */
   double depth;  /* theirs */
@@ -96,7 +96,7 @@ static inline pbf_settled pbf_settled_of(const pbf_params *params, uint32_t coll
     double length = params->domain_max[k] - params->domain_min[k], g = fabs(params->gravity[k]);
     part *= pbf_derive_spacing(params) / length;
     s.fluid *= pbf_derive_spacing(params);
-    if (!(g > largest)) continue;
+    if (!(g > largest) || pbf_is_periodic(params, k)) continue;
     largest = g;
     s.height = length;
     s.axis = k;
@@ -123,9 +123,8 @@ static inline int pbf_depth_could_be(int (*is_deep)(const pbf_params *params, in
   return is_deep(params, s.axis, pbf_region_depth(&basins->room, s.fluid));
 }
 
-/* Its cells end at walls: a domain that is periodic along any axis has none. */
 static inline int pbf_may_have_pressure_grid(const pbf_params *params) {
-  return params->pressure_grid != 0 && !params->periodic;
+  return params->pressure_grid != 0;
 }
 
 static inline int pbf_depth_has_weight(const pbf_params *params) {

@@ -21,6 +21,7 @@ typedef struct pbf_schedule {
   int features;
   int colliders;
   int solids;             /* of them that water can be on two sides of */
+  int has_topology;       /* these, or periodic axes, may tear the pressure grid's nodes */
   double min_volume;      /* of the smallest container, see physics/containers.h */
   int accelerated;        /* lambda adds up over the iterations */
   int wall_density;       /* walls and colliders contribute density */
@@ -65,6 +66,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.features = pbf_features_of(params);
   s.colliders = (int)colliders;
   for (uint32_t k = 0; k < colliders; ++k) s.solids += pbf_is_solid(&list[k]);
+  s.has_topology = s.solids > 0 || params->periodic;
   s.min_volume = pbf_containers_volume(params, colliders, list);
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;

@@ -555,9 +555,6 @@ static void what_cannot_be_is_refused(void **state) {
                "params.periodic has axis 1, along which the domain is 0.395 long");
   params = params_of(2, PBF_PERIODIC_X, narrow);
   assert_ok(pbf_set_params(solver, &params));
-  params.pressure_grid = 2;
-  assert_fails(pbf_set_params(solver, &params), PBF_ERROR_INVALID_ARGUMENT,
-               "params.pressure_grid is 2; it must be 0, or -1, with params.periodic");
   params = params_of(2, PBF_PERIODIC_Z, sizes);
   params.wall_velocity[PBF_WALL_X_MIN] = 0.1;
   assert_ok(pbf_set_params(solver, &params));

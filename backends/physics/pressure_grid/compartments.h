@@ -43,7 +43,8 @@ enum {
  * further ones have indices from `first` on. */
 typedef struct pbf_pressure_grid_topology {
   const pbf_surface *surfaces;
-  int surface_count;            /* 0: none is thin, and all of this is idle */
+  int is_active; /* 0: no solid is thin, no axis periodic, and all of this idle */
+  int surface_count;
   const pbf_surface_grid *grid; /* on a host, of them; null: they are few */
   uint64_t built;               /* when it is another one by now all are asked */
   pbf_domain domain;
@@ -167,7 +168,7 @@ PBF_FN uint32_t pbf_pressure_grid_further_count(const pbf_pressure_grid_topology
 }
 
 PBF_FN uint32_t pbf_pressure_grid_torn_count(const pbf_pressure_grid_topology *t) {
-  return t->surface_count ? t->counts[PBF_TORN_NODES] : 0;
+  return t->is_active ? t->counts[PBF_TORN_NODES] : 0;
 }
 
 /* ---- Cells and their compartments ----------------------------------------------------------- */
@@ -175,7 +176,7 @@ PBF_FN uint32_t pbf_pressure_grid_torn_count(const pbf_pressure_grid_topology *t
 enum { PBF_LINK_BITS = 16, PBF_CELL_COUNT_BIT = 48, PBF_CELL_CUT_BIT = 52 };
 
 PBF_FN int pbf_cell_is_cut(const pbf_pressure_grid_topology *t, uint32_t cell) {
-  return t->surface_count && (t->links[cell] >> PBF_CELL_CUT_BIT & 1);
+  return t->is_active && (t->links[cell] >> PBF_CELL_CUT_BIT & 1);
 }
 
 /* 1 for a cell that no thin solid reaches. */
@@ -193,9 +194,9 @@ PBF_FN uint64_t pbf_cell_samples(const pbf_pressure_grid_topology *t, uint32_t c
 
 /* Whether compartment k of a cell and compartment l of the next cell along the axis are connected.
  */
-PBF_FN int pbf_cell_link(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
-                         uint32_t cell, int axis, int k, int l) {
-  if (!pbf_cell_is_cut(t, cell) && !pbf_cell_is_cut(t, cell + c->corner[1u << axis])) return 1;
+PBF_FN int pbf_cell_link(const pbf_pressure_grid_topology *t, uint32_t cell, uint32_t next,
+                         int axis, int k, int l) {
+  if (!pbf_cell_is_cut(t, cell) && !pbf_cell_is_cut(t, next)) return 1;
   return (int)(t->links[cell] >> (PBF_LINK_BITS * axis + PBF_COMPARTMENTS * k + l) & 1);
 }
 
@@ -206,15 +207,14 @@ PBF_FN int pbf_cell_is_inside(const pbf_pressure_grid *c, const int i[PBF_DIM]) 
 }
 
 PBF_FN uint32_t pbf_compartment_cell(const pbf_pressure_grid_topology *t, uint32_t compartment) {
-  return !t->surface_count || compartment < t->first ? compartment
-                                                     : t->home[compartment - t->first];
+  return !t->is_active || compartment < t->first ? compartment : t->home[compartment - t->first];
 }
 
 /* Its node at corner `a`. */
 PBF_FN uint32_t pbf_pressure_grid_corner(const pbf_pressure_grid *c,
                                          const pbf_pressure_grid_topology *t, uint32_t compartment,
                                          int a) {
-  if (t->surface_count) {
+  if (t->is_active) {
     uint32_t node = t->corners[(uint64_t)compartment * PBF_CORNERS + (uint64_t)a];
     if (node || compartment >= t->first) return node;
   }
@@ -257,7 +257,7 @@ PBF_FN double pbf_compartment_volume(const pbf_pressure_grid_topology *t, uint32
 PBF_FN int pbf_compartment_middle(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
                                   uint32_t compartment, double free_volume, const int i[PBF_DIM],
                                   double middle[PBF_DIM]) {
-  const int alone = !t->surface_count;
+  const int alone = !t->is_active;
   const int cut = !alone && pbf_cell_is_cut(t, pbf_compartment_cell(t, compartment));
   const double merged = alone ? 0 : pbf_merged_part(t, compartment, 0);
   const double inside = pbf_pressure_grid_inside(c, i);

@@ -81,7 +81,7 @@ PBF_FN void pbf_datum_begin(const pbf_pressure_datum *d, uint32_t index) {
 
 PBF_FN int pbf_datum_is_solved(const pbf_pressure_datum *d, uint32_t node) {
   const pbf_pressure_grid_topology *t = d->topology;
-  return t->surface_count ? pbf_pressure_grid_is_solved(t, d->inverse, node) : d->inverse[node] > 0;
+  return t->is_active ? pbf_pressure_grid_is_solved(t, d->inverse, node) : d->inverse[node] > 0;
 }
 
 /* Once all have begun. */

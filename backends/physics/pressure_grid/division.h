@@ -66,8 +66,7 @@ PBF_FN int pbf_way_is_open(const pbf_pressure_grid *c, const Topology *t, pbf_ve
 /* Which compartments of a cell are connected with which of the next one along the axis. */
 template <class Topology>
 PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
-                                      const int i[PBF_DIM], int axis) {
-  const uint32_t next = cell + c->corner[1u << axis];
+                                      uint32_t next, const int i[PBF_DIM], int axis) {
   const int stride = pbf_sample_stride(axis);
   uint64_t links = 0;
   for (int p = 0; p < 64; ++p) {
@@ -77,10 +76,16 @@ PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology
     const int k = pbf_compartment_with(t, cell, p);
     const int l = pbf_compartment_with(t, next, p - stride * (PBF_SAMPLES - 1));
     if (k < 0 || l < 0 || (links >> (PBF_COMPARTMENTS * k + l) & 1)) continue;
-    const pbf_vec from = pbf_sample_at(c, i, at);
+    pbf_vec from = pbf_sample_at(c, i, at);
     ++at[axis];
-    if (pbf_way_is_open(c, t, from, pbf_sample_at(c, i, at)))
-      links |= UINT64_C(1) << (PBF_COMPARTMENTS * k + l);
+    pbf_vec to = pbf_sample_at(c, i, at);
+    int open = pbf_way_is_open(c, t, from, to);
+    if (next < cell) { /* solids act where they lie: beside either face */
+      from.c[axis] -= (pbf_real)(c->n[axis] * c->width);
+      to.c[axis] -= (pbf_real)(c->n[axis] * c->width);
+      open = open && pbf_way_is_open(c, t, from, to);
+    }
+    if (open) links |= UINT64_C(1) << (PBF_COMPARTMENTS * k + l);
   }
   return links;
 }
@@ -91,9 +96,10 @@ PBF_FN void pbf_link_cell(const pbf_pressure_grid *c, const Topology *t, uint32_
                           const int i[PBF_DIM]) {
   if (!pbf_cell_is_inside(c, i)) return;
   for (int k = 0; k < PBF_DIM; ++k) {
-    if (i[k] == c->n[k]) continue;
-    if (!pbf_cell_is_cut(t, cell) && !pbf_cell_is_cut(t, cell + c->corner[1u << k])) continue;
-    t->links[cell] |= pbf_links_along(c, t, cell, i, k) << (PBF_LINK_BITS * k);
+    if (i[k] == c->n[k] && !c->wrap[k]) continue;
+    const uint32_t next = cell + c->corner[1u << k] - (i[k] == c->n[k] ? c->wrap[k] : 0);
+    if (!pbf_cell_is_cut(t, cell) && !pbf_cell_is_cut(t, next)) continue;
+    t->links[cell] |= pbf_links_along(c, t, cell, next, i, k) << (PBF_LINK_BITS * k);
   }
 }
 
@@ -119,8 +125,8 @@ PBF_FN_APART uint32_t pbf_larger_neighbor(const pbf_pressure_grid *c,
       pbf_pressure_grid_place(c, other, at);
       const double free = pbf_cell_is_cut(t, other) ? pbf_volume_part(t, compartment, 0)
                                                     : pbf_pressure_grid_inside(c, at);
-      const int linked =
-          up ? pbf_cell_link(c, t, cell, axis, k, l) : pbf_cell_link(c, t, other, axis, l, k);
+      const int linked = up ? pbf_cell_link(t, cell, other, axis, k, l)
+                            : pbf_cell_link(t, other, cell, axis, l, k);
       if (!linked || !(free > largest_free)) continue;
       largest_free = free;
       largest = compartment;

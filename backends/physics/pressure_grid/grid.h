@@ -67,6 +67,8 @@ typedef struct pbf_pressure_grid {
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
+  uint32_t wrap[PBF_DIM];       /* of a periodic axis: index of the last cell from the one outside,
+                                   before the first; 0: there are walls */
   uint32_t nodes;               /* and cells: indices */
 } pbf_pressure_grid;
 
@@ -103,16 +105,49 @@ static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double 
   return nodes + 2 * rows + 2;
 }
 
+/* Where fluid can leave by the one face of a periodic axis and come in by the other: no container
+ * is around it. */
+static inline int pbf_pressure_grid_wraps(const pbf_params *params, const pbf_domain *domain,
+                                          int axis) {
+  return pbf_is_periodic(params, axis) &&
+         (double)domain->lower.c[axis] <= params->domain_min[axis] &&
+         (double)domain->upper.c[axis] >= params->domain_max[axis];
+}
+
+/* Periodic axes end where the domain does, … */
+static inline pbf_domain pbf_pressure_grid_domain(const pbf_params *params, pbf_domain domain) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    if (pbf_pressure_grid_wraps(params, &domain, k)) {
+      domain.lower.c[k] = (pbf_real)params->domain_min[k];
+      domain.upper.c[k] = (pbf_real)params->domain_max[k];
+    }
+  return domain;
+}
+
+/* … and have whole cells, which are a little smaller for it; where there are several whose lengths
+ * have no common width, the last one. */
+static inline double pbf_pressure_grid_fitting(const pbf_params *params, const pbf_domain *walls,
+                                               const pbf_domain *domain, double width) {
+  for (int k = 0; k < PBF_DIM; ++k)
+    if (pbf_pressure_grid_wraps(params, walls, k))
+      width = ((double)domain->upper.c[k] - (double)domain->lower.c[k]) /
+              pbf_pressure_grid_cells(domain, k, width);
+  return width;
+}
+
 /* The grid between walls, in a limited number of indices. */
 static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
-                                                          const pbf_domain *domain,
+                                                          const pbf_domain *walls,
                                                           int corrects_shear, uint64_t limit) {
+  const pbf_domain inside = pbf_pressure_grid_domain(params, *walls), *domain = &inside;
   pbf_pressure_grid c;
   memset(&c, 0, sizeof c); /* so that two can be compared */
   double dt2 = params->time_step * params->time_step;
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
-  double width = cells * params->smoothing_radius;
-  while (pbf_pressure_grid_indices(domain, width) > (double)limit) width *= 1.1;
+  double wanted = cells * params->smoothing_radius;
+  double width = pbf_pressure_grid_fitting(params, walls, domain, wanted);
+  while (pbf_pressure_grid_indices(domain, width) > (double)limit)
+    width = pbf_pressure_grid_fitting(params, walls, domain, wanted *= 1.1);
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
@@ -137,6 +172,8 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
                 (params->gravity[k] -
                  params->attraction * (c.lower[k] - 0.5 * width - params->attraction_center[k]));
     c.pull[k] = -dt2 * params->attraction;
+    c.wrap[k] = pbf_pressure_grid_wraps(params, walls, k) ? (uint32_t)c.n[k] * c.nodes : 0;
+    if (c.wrap[k]) c.push[k] = c.pull[k] = 0; /* fluid stands against nothing there, and flows */
     c.drag_move[k] = c.move * params->drag_velocity[k];
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;
@@ -144,6 +181,12 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
     c.nodes *= c.size[k];
   }
   return c;
+}
+
+PBF_FN int pbf_pressure_grid_is_periodic(const pbf_pressure_grid *c) {
+  int any = 0;
+  for (int k = 0; k < PBF_DIM; ++k) any |= c->wrap[k] > 0;
+  return any;
 }
 
 /* Where along each axis an index is; 0 and n + 1 are cells outside, 0 is a node outside. */

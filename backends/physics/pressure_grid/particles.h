@@ -67,6 +67,16 @@ PBF_FN uint32_t pbf_compartment_at_point(const pbf_pressure_grid *c,
   return k < 0 ? PBF_NO_INDEX : pbf_cell_compartment(t, cell, k);
 }
 
+/* In which period, from the one of the domain, a point is that is counted on over a periodic axis'
+ * faces; it becomes that inside. */
+PBF_FN int pbf_sample_period(const pbf_pressure_grid *c, int axis, int *point) {
+  const int points = PBF_SAMPLES * c->n[axis];
+  if (!c->wrap[axis] || (*point >= 0 && *point < points)) return 0;
+  const int period = *point < 0 ? -1 : 1;
+  *point -= period * points;
+  return period;
+}
+
 /* The compartment of the nearest point that no solid hides from x; PBF_NO_INDEX: none is near. */
 template <class Topology>
 PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
@@ -77,21 +87,26 @@ PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const 
   uint32_t nearest = PBF_NO_INDEX;
   double nearest2 = 1e30;
   for (int a = 0; a < PBF_CORNERS; ++a) {
-    int i[PBF_DIM], at[PBF_DIM], outside = 0;
+    int i[PBF_DIM], at[PBF_DIM], periods[PBF_DIM], outside = 0;
     uint32_t cell = 0;
     double away = 0;
     for (int k = PBF_DIM - 1; k >= 0; --k) {
       const double among = before[k] * PBF_SAMPLES - 0.5;
-      const int point = (int)floor(among) + (a >> k & 1);
+      int point = (int)floor(among) + (a >> k & 1);
+      away += (among - point) * (among - point);
+      periods[k] = pbf_sample_period(c, k, &point);
       outside |= point < 0 || point >= PBF_SAMPLES * c->n[k];
       i[k] = point / PBF_SAMPLES + 1;
       at[k] = point % PBF_SAMPLES;
       cell = cell * c->size[k] + (uint32_t)i[k];
-      away += (among - point) * (among - point);
     }
     if (outside || !(away < nearest2)) continue;
     const int k = pbf_compartment_with(t, cell, pbf_sample_index(at));
-    if (k < 0 || !pbf_is_seen(t, beside, x, pbf_sample_at(c, i, at))) continue;
+    if (k < 0) continue;
+    pbf_vec place = pbf_sample_at(c, i, at);
+    for (int axis = 0; axis < PBF_DIM; ++axis)
+      if (periods[axis]) place.c[axis] += (pbf_real)(periods[axis] * c->n[axis] * c->width);
+    if (!pbf_is_seen(t, beside, x, place)) continue;
     nearest2 = away;
     nearest = pbf_cell_compartment(t, cell, k);
   }
@@ -111,7 +126,10 @@ PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const Topology *t
   if (compartment == PBF_NO_INDEX) return compartment;
   if (!pbf_compartment_is_own(t, compartment)) compartment = t->target[compartment];
   pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
-  for (int k = 0; k < PBF_DIM; ++k) at[k] = before[k] - (i[k] - 1);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    at[k] = before[k] - (i[k] - 1);
+    if (c->wrap[k] && fabs(at[k] - 0.5) > 0.5 * c->n[k]) at[k] += at[k] < 0 ? c->n[k] : -c->n[k];
+  }
   return compartment;
 }
 

@@ -5,6 +5,14 @@
 
 #include "physics/pressure_grid/compartments.h"
 
+/* At the faces of a periodic axis, which are one, the nodes of the first cells are those of the
+ * last ones, too: these have them as corners, and what would be their own lie outside. */
+PBF_FN int pbf_node_is_beyond(const pbf_pressure_grid *c, const int i[PBF_DIM]) {
+  int any = 0;
+  for (int k = 0; k < PBF_DIM; ++k) any |= c->wrap[k] && i[k] > c->n[k];
+  return any;
+}
+
 /* The cells around a node, by the corner that it is of each. */
 typedef struct pbf_node_cells {
   uint32_t cells[PBF_CORNERS];
@@ -17,9 +25,15 @@ PBF_FN pbf_node_cells pbf_cells_around_node(const pbf_pressure_grid *c,
   int i[PBF_DIM], at[PBF_DIM];
   pbf_pressure_grid_place(c, node, i);
   for (int a = 0; a < PBF_CORNERS; ++a) {
-    for (int k = 0; k < PBF_DIM; ++k) at[k] = i[k] - (a >> k & 1);
     around.cells[a] = node - c->corner[a];
-    around.counts[a] = pbf_cell_is_inside(c, at) ? pbf_cell_compartments(t, around.cells[a]) : 0;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      at[k] = i[k] - (a >> k & 1);
+      if (at[k] > 0 || !c->wrap[k]) continue;
+      at[k] = c->n[k];
+      around.cells[a] += c->wrap[k];
+    }
+    const int is_inside = pbf_cell_is_inside(c, at) && !pbf_node_is_beyond(c, i);
+    around.counts[a] = is_inside ? pbf_cell_compartments(t, around.cells[a]) : 0;
   }
   return around;
 }
@@ -45,10 +59,18 @@ PBF_FN int pbf_cut_is_around(const pbf_pressure_grid_topology *t, const pbf_node
   return any;
 }
 
+/* Whether a cell is around it that lies at the other face of a periodic axis. */
+PBF_FN int pbf_wraps_around(const pbf_pressure_grid *c, const pbf_node_cells *around,
+                            uint32_t node) {
+  int any = 0;
+  for (int a = 0; a < PBF_CORNERS; ++a)
+    any |= around->counts[a] && around->cells[a] + c->corner[a] != node;
+  return any;
+}
+
 /* Marks each compartment around a node with the lowest number of those that it is connected with:
  * compartment k of the cell of which the node is corner a has PBF_COMPARTMENTS a + k. */
-PBF_FN_APART void pbf_connect_around_node(const pbf_pressure_grid *c,
-                                          const pbf_pressure_grid_topology *t,
+PBF_FN_APART void pbf_connect_around_node(const pbf_pressure_grid_topology *t,
                                           const pbf_node_cells *around,
                                           uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS]) {
   for (int m = 0; m < PBF_CORNERS * PBF_COMPARTMENTS; ++m) marks[m] = (uint8_t)m;
@@ -62,7 +84,9 @@ PBF_FN_APART void pbf_connect_around_node(const pbf_pressure_grid *c,
           for (int l = 0; l < around->counts[a]; ++l) {
             uint8_t *one = &marks[PBF_COMPARTMENTS * low + k];
             uint8_t *other = &marks[PBF_COMPARTMENTS * a + l];
-            if (*one == *other || !pbf_cell_link(c, t, around->cells[low], axis, k, l)) continue;
+            if (*one == *other ||
+                !pbf_cell_link(t, around->cells[low], around->cells[a], axis, k, l))
+              continue;
             *one = *other = *one < *other ? *one : *other;
             changes = 1;
           }
@@ -76,8 +100,8 @@ PBF_FN void pbf_tear_node(const pbf_pressure_grid *c, const pbf_pressure_grid_to
                           uint32_t node) {
   const pbf_node_cells around = pbf_cells_around_node(c, t, node);
   uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS];
-  if (!pbf_cut_is_around(t, &around)) return;
-  pbf_connect_around_node(c, t, &around, marks);
+  if (!pbf_cut_is_around(t, &around) && !pbf_wraps_around(c, &around, node)) return;
+  pbf_connect_around_node(t, &around, marks);
   int first = 1;
   for (int m = 0; m < PBF_CORNERS * PBF_COMPARTMENTS; ++m) {
     uint32_t copy = PBF_NO_INDEX;
@@ -95,7 +119,7 @@ PBF_FN void pbf_tear_node(const pbf_pressure_grid *c, const pbf_pressure_grid_to
           }
           first = 0;
         }
-        if (copy == node && compartment < t->first) continue;
+        if (copy == cell + c->corner[a] && compartment < t->first) continue;
         t->corners[(uint64_t)compartment * PBF_CORNERS + (uint64_t)a] = copy;
         t->touched[cell] = 1;
       }
@@ -128,7 +152,9 @@ PBF_FN void pbf_list_node_compartments(const pbf_pressure_grid *c,
 PBF_FN void pbf_list_torn_node(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
                                uint32_t node) {
   const pbf_node_cells around = pbf_cells_around_node(c, t, node);
-  if (!pbf_is_around(t->touched, &around)) return;
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(c, node, i);
+  if (!pbf_is_around(t->touched, &around) && !pbf_node_is_beyond(c, i)) return;
   pbf_list_node_compartments(c, t, &around, node, node);
   for (int a = 0; a < PBF_CORNERS; ++a)
     for (int k = 0; k < around.counts[a]; ++k) {
