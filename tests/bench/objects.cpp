@@ -347,9 +347,10 @@ void what_can_not_be_is_refused_with_its_place(void **) {
 
 void parameters_that_do_not_agree_are_refused_with_their_place(void **) {
   const std::string some = R"("capacity": 1000)";
-  const std::string grid = refusal(some, "", 3, R"("periodic": ["x"], "pressure_grid": 2)");
-  expect_contains(grid, "objects.json:2:");
-  expect_contains(grid, "pressure_grid");
+  const std::string walls =
+      refusal(some, "", 3, R"("periodic": ["x"], "wall_velocity": [0.1, 0, 0, 0, 0, 0])");
+  expect_contains(walls, "objects.json:2:");
+  expect_contains(walls, "wall_velocity");
   expect_contains(
       refusal(R"("phases": [{}, {"rest_density": 0.25}])", "", 3, R"("pressure_grid": 2)"),
       "objects.json:4:");

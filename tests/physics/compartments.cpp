@@ -39,7 +39,7 @@ static divided divided_by(const pbf_surface *plate) {
   assert_non_null(of.memory);
   of.topology = pbf_pressure_grid_topology_in(of.memory, limit, limit);
   of.topology.surfaces = plate;
-  of.topology.surface_count = 1;
+  of.topology.is_active = of.topology.surface_count = 1;
   of.topology.domain = domain;
   for (uint32_t cell = 0; cell < of.grid.nodes; ++cell) {
     int i[PBF_DIM];
