@@ -223,7 +223,7 @@ static void a_callbacks_environment_changes_nothing(void **state) {
   test_for_each_kind(compare_left);
 }
 
-/* Nor that of the thread which steps a batch, whose callbacks they are, too. */
+/* Nor that of the thread which steps a batch with such callbacks. */
 static void check_batch(int with_tasks) {
   pbf_allocator memory = test_allocator;
   pbf_desc desc = test_desc(2, PBF_FLOAT32, 4);

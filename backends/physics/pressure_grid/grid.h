@@ -124,8 +124,8 @@ static inline pbf_domain pbf_pressure_grid_domain(const pbf_params *params, pbf_
   return domain;
 }
 
-/* … and have whole cells, which are a little smaller for it; where there are several whose lengths
- * have no common width, the last one. */
+/* … and have whole cells, which are a little smaller for it; where several periods have no
+ * common width, along the last such axis. */
 static inline double pbf_pressure_grid_fitting(const pbf_params *params, const pbf_domain *walls,
                                                const pbf_domain *domain, double width) {
   for (int k = 0; k < PBF_DIM; ++k)
