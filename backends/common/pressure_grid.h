@@ -3,7 +3,7 @@
 #define PBF_COMMON_PRESSURE_GRID_H
 
 #include "common/memory.h"
-#include "physics/pressure_grid/cell_drag.h"
+#include "physics/pressure_grid/cell_forces.h"
 #include "physics/pressure_grid/datum.h"
 #include "physics/pressure_grid/particles.h"
 #include "physics/constants.h"
@@ -18,7 +18,7 @@ typedef struct pbf_pressure_grid_storage {
   double carried;         /* density, pbf_carried_density's: lambda is of a fluid of density 1 */
   int64_t *sums;          /* of cells: pbf_pressure_grid_entry; the first of all arrays */
   int64_t *places;        /* of cells: pbf_pressure_grid_place_entry */
-  int64_t *cell_moves;    /* along each axis: pbf_cell_move_entry; null where there is no drag */
+  int64_t *cell_moves;    /* along each axis: pbf_cell_move_entry; null: no forces like that */
   double *free_volumes;   /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   pbf_pressure_grid_run *runs; /* all nodes that are not in the open are in one, in their order … */
@@ -36,7 +36,7 @@ static inline uint64_t pbf_topology_memory_bytes(uint32_t capacity) {
   return pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity));
 }
 
-/* What cells have beside where there is drag. */
+/* What cells have beside where forces differ from particle to particle. */
 typedef struct pbf_cell_moves {
   int64_t *sums;
 } pbf_cell_moves;
@@ -317,20 +317,20 @@ static inline double pbf_pressure_grid_torn_equations(
     pbf_pressure_grid_torn_equation(&storage->grid, t, source_scale, storage->sums,
                                     storage->free_volumes, storage->depths, k);
     if (storage->cell_moves && t->inverse[k] > 0)
-      t->right[k] += pbf_drag_at_torn_node(&storage->grid, t, source_scale->part, storage->sums,
-                                           storage->cell_moves, storage->free_volumes, k);
+      t->right[k] += pbf_moves_at_torn_node(&storage->grid, t, source_scale->part, storage->sums,
+                                            storage->cell_moves, storage->free_volumes, k);
     if (t->inverse[k] > 0) largest = pbf_greater(largest, fabs(t->right[k]));
   }
   return largest;
 }
 
-/* What drag adds to a node's right side. */
-static inline double pbf_pressure_grid_drag_at(const pbf_pressure_grid_storage *storage,
-                                               const pbf_pressure_grid_source_scale *source_scale,
-                                               uint32_t node) {
+/* What forces that differ from particle to particle add to a node's right side. */
+static inline double pbf_pressure_grid_moves_at(const pbf_pressure_grid_storage *storage,
+                                                const pbf_pressure_grid_source_scale *source_scale,
+                                                uint32_t node) {
   if (!storage->cell_moves) return 0;
-  return pbf_drag_at_node(&storage->grid, source_scale->part, storage->sums, storage->cell_moves,
-                          storage->free_volumes, node);
+  return pbf_moves_at_node(&storage->grid, source_scale->part, storage->sums, storage->cell_moves,
+                           storage->free_volumes, node);
 }
 
 static inline void pbf_pressure_grid_guess_torn(pbf_pressure_grid_storage *storage, double part) {

@@ -40,7 +40,7 @@ template <class Solver>
 static pbf_schedule schedule_of(Solver *s, const pbf_params *params, const pbf_derived *derived,
                                 uint32_t colliders, const pbf_collider *list, int overlaps) {
   return pbf_schedule_of(params, derived, &s->basins, colliders, list, s->planned, s->capacity,
-                         s->most_left, overlaps, &s->phases);
+                         s->most_left, overlaps, &s->phases, s->accelerations);
 }
 
 /* ---- Room for colliders ---------------------------------------------------------------------- */
@@ -240,6 +240,22 @@ static pbf_status set_phases(Solver *s, const pbf_phase_table *table) {
   }
   s->schedule = schedule;
   s->constants.phases = pbf_phase_constants_of(&s->phases);
+  wake_all(s);
+  return PBF_OK;
+}
+
+template <class Solver>
+static pbf_status set_accelerations(Solver *s, uint32_t on) {
+  const uint32_t before = s->accelerations;
+  s->accelerations = on;
+  const pbf_schedule schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
+  pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status != PBF_OK) {
+    s->accelerations = before;
+    return status;
+  }
+  s->schedule = schedule;
   wake_all(s);
   return PBF_OK;
 }

@@ -253,8 +253,10 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
     write_phases(s, rows, (const uint8_t *)in);
     return PBF_OK;
   }
-  write_vectors(s, which == PBF_FIELD_POSITION ? &s->buffers.x : &s->buffers.v, rows,
-                (const pbf_real *)in);
+  const field *to = which == PBF_BACKEND_FIELD_ACCELERATION ? &s->buffers.acceleration
+                    : which == PBF_FIELD_POSITION           ? &s->buffers.x
+                                                            : &s->buffers.v;
+  write_vectors(s, to, rows, (const pbf_real *)in);
   return PBF_OK;
 }
 
@@ -401,4 +403,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .set_phases = set_phases<solver>,
     .plan_steps = plan_steps<solver>,
     .steps_leave = steps_leave<solver>,
+    .set_accelerations = set_accelerations<solver>,
 };

@@ -96,7 +96,9 @@ static bool share_of_added(solver *s, pbf_particles *p) {
 }
 
 static uint64_t row_bytes_of(uint32_t which) {
-  if (which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY) return PBF_DIM * sizeof(pbf_real);
+  if (which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ||
+      which == PBF_BACKEND_FIELD_ACCELERATION)
+    return PBF_DIM * sizeof(pbf_real);
   if (which == PBF_BACKEND_FIELD_REST) return 2 * sizeof(pbf_real);
   return which == PBF_BACKEND_FIELD_PHASE ? sizeof(uint8_t) : sizeof(pbf_real);
 }

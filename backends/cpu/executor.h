@@ -25,14 +25,22 @@ static void end_inside_task(void *context, uint32_t task) {
   move_inside(w, &w->b.x, task_particles(w, task));
 }
 
+/* With what accelerations of particles' own make of them. */
+static const field &velocities_to_predict(const worker *w, range r) {
+  const field &to = w->b.accelerated_velocity();
+  if (!has_accelerations(w)) return w->b.v;
+  for (uint32_t i = r.first; i < r.last; ++i) field_set(&to, i, accelerated_velocity(w, i));
+  return to;
+}
+
 static void predict_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range all = task_particles(w, task);
+  const field &v = velocities_to_predict(w, all);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     w->s->kernels->predict(&w->forces, &w->obstacles, w->s->schedule.collide_after_prediction,
-                           w->b.x, w->b.v, w->b.predicted(), w->b.predicted_velocity(), r.first,
-                           r.last);
+                           w->b.x, v, w->b.predicted(), w->b.predicted_velocity(), r.first, r.last);
   if (w->s->params.periodic) move_inside(w, &w->b.predicted(), all);
   copy_sleeping(w, all, &w->b.x, &w->b.predicted());
   zero_sleeping(w, all, w->b.predicted_velocity().c, PBF_DIM);

@@ -15,7 +15,7 @@ typedef struct carried {
 static uint32_t larger(uint32_t a, uint32_t b) { return a > b ? a : b; }
 static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-enum { MAX_CARRIED = 3 * PBF_DIM + 6 };
+enum { MAX_CARRIED = 4 * PBF_DIM + 6 };
 
 /* The bin of each particle, in the place of the order that the sort will give them. */
 static uint32_t *bins_of(const solver *s) { return s->order; }

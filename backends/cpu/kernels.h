@@ -253,8 +253,9 @@ typedef struct kernels {
   void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
                   const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
                   uint32_t last);
-  void (*deposit_moves)(const pbf_pressure_grid_storage *storage, field x, field v, uint32_t first,
-                        uint32_t last); /* where there is drag */
+  void (*deposit_moves)(const pbf_pressure_grid_storage *storage, field x, field v,
+                        field acceleration, uint32_t first,
+                        uint32_t last); /* where forces differ from particle to particle */
   void (*apply_correction)(const pbf_pressure_grid_storage *storage, const pbf_obstacles *obstacles,
                            const pbf_real *mobility, pbf_real inv_time_step, field x, field v,
                            uint32_t first, uint32_t last);

@@ -88,8 +88,9 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
   }
 }
 
+/* `acceleration` without arrays: particles have none. */
 static void deposit_moves(const pbf_pressure_grid_storage *storage, field x, field v,
-                          uint32_t first, uint32_t last) {
+                          field acceleration, uint32_t first, uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
@@ -100,7 +101,9 @@ static void deposit_moves(const pbf_pressure_grid_storage *storage, field x, fie
       const uint32_t cell = places.cells[l];
       int64_t moves[PBF_DIM] = {0};
       for (; l < count && places.cells[l] == cell; ++l)
-        for (int k = 0; k < PBF_DIM; ++k) moves[k] += pbf_cell_move_entry(&c, v.c[k][first + l]);
+        for (int k = 0; k < PBF_DIM; ++k)
+          moves[k] += pbf_cell_move_entry(&c, v.c[k][first + l],
+                                          acceleration.c[k] ? acceleration.c[k][first + l] : 0);
       if (cell == PBF_NO_INDEX) continue;
       int64_t *sums = storage->cell_moves + (uint64_t)PBF_DIM * cell;
       for (int k = 0; k < PBF_DIM; ++k) __atomic_fetch_add(&sums[k], moves[k], __ATOMIC_RELAXED);

@@ -34,7 +34,7 @@ static inline void note_push(const worker *w, uint32_t i, pbf_vec v, pbf_vec for
 }
 
 static inline pbf_vec forced_velocity(const worker *w, uint32_t before) {
-  return pbf_apply_forces(&w->forces, field_at(&w->b.x, before), field_at(&w->b.v, before));
+  return pbf_apply_forces(&w->forces, field_at(&w->b.x, before), accelerated_velocity(w, before));
 }
 
 /* What solids have done in the prediction, of sorted particles: the old state, in its old order, is

@@ -18,6 +18,8 @@ static void append(solver *s, const pbf_particles *p) {
   if (s->buffers.last_pressure)
     memset(s->buffers.last_pressure + s->count, 0, p->count * sizeof(pbf_real));
   if (s->buffers.overlap) memset(s->buffers.overlap + s->count, 0, p->count * sizeof(pbf_real));
+  for (int k = 0; k < PBF_DIM && s->buffers.acceleration.c[0]; ++k)
+    memset(s->buffers.acceleration.c[k] + s->count, 0, p->count * sizeof(pbf_real));
   if (s->buffers.phase) memset(s->buffers.phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
 }
@@ -36,6 +38,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     if (b->activity) b->activity[kept] = b->activity[i];
     if (b->last_pressure) b->last_pressure[kept] = b->last_pressure[i];
     if (b->overlap) b->overlap[kept] = b->overlap[i];
+    if (b->acceleration.c[0]) field_set(&b->acceleration, kept, field_at(&b->acceleration, i));
     if (b->phase) b->phase[kept] = b->phase[i];
     b->ids[kept++] = b->ids[i];
   }

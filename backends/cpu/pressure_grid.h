@@ -40,7 +40,7 @@ static void deposit_task(void *context, uint32_t task) {
                       grid_densities(s), w->b.sorted_overlap, all.first, all.last);
   if (s->pressure_grid.cell_moves)
     s->kernels->deposit_moves(&s->pressure_grid, w->b.sorted_predicted, w->b.sorted_velocity,
-                              all.first, all.last);
+                              w->b.sorted_acceleration, all.first, all.last);
 }
 
 static void end_deposit(void *context) {

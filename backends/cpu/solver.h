@@ -146,6 +146,7 @@ struct pbf_backend_solver {
   pbf_entering entering;  /* what of it enters */
   int overlaps;           /* some may be left */
   pbf_phase_table phases; /* that differ; count 0: none do */
+  uint32_t accelerations; /* whether particles have some */
 
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;

@@ -221,6 +221,8 @@ static void sort_range(void *context, uint32_t task) {
   gather(s->order, places, w->sort_positions, w->sorted_positions);
   if (w->sort_payload) gather(s->order, places, w->sort_payload, w->sorted_payload);
   if (w->sort_push) gather(s->order, places, w->sort_push, &s->push);
+  if (w->sort_acceleration && w->sort_payload)
+    gather(s->order, places, w->sort_acceleration, &w->b.sorted_acceleration);
   if (w->b.phase) gather_phases(w, places);
   fill_packed(s, packed_positions(s), w->sorted_positions, s->mobility, places);
   if (sleep_is_on(w)) {
@@ -248,6 +250,8 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
     what[arrays++] = {payload->c[k], payload_to->c[k], sizeof(pbf_real)};
   for (int k = 0; k < PBF_DIM && w->sort_push; ++k)
     what[arrays++] = {w->sort_push->c[k], s->held_push.c[k], sizeof(pbf_real)};
+  for (int k = 0; k < PBF_DIM && has_accelerations(w); ++k)
+    what[arrays++] = {w->b.acceleration.c[k], s->held_acceleration.c[k], sizeof(pbf_real)};
   if (w->b.last_pressure)
     what[arrays++] = {w->b.last_pressure, s->held_last_pressure, sizeof(pbf_real)};
   if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
@@ -264,6 +268,7 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   if (w->b.last_pressure) w->sort_last_pressure = s->held_last_pressure;
   if (w->b.overlap) w->sort_overlap = s->held_overlap;
   if (sleep_is_on(w)) w->activity = s->held_activity, w->sleeping_lambda = s->held_sleeping_lambda;
+  if (has_accelerations(w)) w->sort_acceleration = &s->held_acceleration;
   if (w->b.phase) w->sort_phase = s->held_phase;
   if (w->sort_push) w->sort_push = &s->held_push;
   parallel_for(w->self, particle_task_count(w), find_cells, NULL, w);

@@ -40,6 +40,9 @@ struct buffers {
   PBF_IN const field &next_x_star() const { return scratch[0]; }
   PBF_IN void accept_iteration() { exchange(&scratch[0], &scratch[1]); }
 
+  /* Where particles have accelerations: their velocities with those, before the other forces. */
+  PBF_IN const field &accelerated_velocity() const { return sorted_velocity; }
+
   /* From the sort to the end of the solve nothing reads the old state. Of viscosity: what
    * velocities change by, with what they do after the next stage; and what acts on them. */
   PBF_IN const field &viscous_change() const { return x; }
@@ -69,6 +72,7 @@ struct buffers {
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
     exchange(&last_pressure, &sorted_last_pressure);
     exchange(&overlap, &sorted_overlap);
+    exchange(&acceleration, &sorted_acceleration);
     exchange(&phase, &sorted_phase);
   }
 

@@ -93,6 +93,7 @@ static void keep_own(worker *w) {
   for (int k = 0; k < PBF_DIM; ++k) {
     move_down(w->b.x.c[k], own, sizeof(pbf_real));
     move_down(w->b.v.c[k], own, sizeof(pbf_real));
+    if (has_accelerations(w)) move_down(w->b.acceleration.c[k], own, sizeof(pbf_real));
   }
   move_down(s->lambda, own, sizeof(pbf_real));
   move_down(w->b.ids, own, sizeof(uint32_t));

@@ -24,6 +24,7 @@ typedef struct worker {
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
   const pbf_real *sort_last_pressure;             /* what pressed them last, */
   const pbf_real *sort_overlap;                   /* what is left of their overlap, */
+  const field *sort_acceleration;                 /* their accelerations, or null, */
   const uint8_t *sort_phase;                      /* their phases, */
   const field *sort_push;                         /* and on ranks what solids push them with */
   double stage_begin;
@@ -40,6 +41,15 @@ static inline worker worker_of(solver *s, team_thread *self) {
                   .sort_last_pressure = s->buffers.last_pressure,
                   .sort_overlap = s->buffers.overlap,
                   .sort_phase = s->buffers.phase};
+}
+
+static inline bool has_accelerations(const worker *w) { return w->b.acceleration.c[0]; }
+
+/* Before the sort: the velocity of a particle with what an acceleration of its own adds to it. */
+static inline pbf_vec accelerated_velocity(const worker *w, uint32_t i) {
+  const pbf_vec v = field_at(&w->b.v, i);
+  return has_accelerations(w) ? pbf_add_acceleration(&w->forces, v, field_at(&w->b.acceleration, i))
+                              : v;
 }
 
 static inline uint64_t part_begin(uint64_t total, uint32_t part, uint32_t parts) {

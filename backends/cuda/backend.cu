@@ -103,8 +103,9 @@ static pbf_status project(pbf_backend_solver *handle, double time, uint32_t iter
   pbf_derived derived = s->derived;
   derive_tables(&s->params, &derived, &s->constants);
   s->constants.phases = constants.phases;
-  s->schedule = pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders,
-                                s->planned, s->scene_capacity, s->most_left, 0, &s->phases);
+  s->schedule =
+      pbf_schedule_of(&s->params, &derived, &s->basins, s->collider_count, s->colliders, s->planned,
+                      s->scene_capacity, s->most_left, 0, &s->phases, s->accelerations);
   note_standing(s);
   pbf_status status = place_surfaces(s, time);
   if (status == PBF_OK) status = step_once(s, time, 1, surfaces_of_step(s, 0));
@@ -144,13 +145,28 @@ static pbf_status set_phases(pbf_backend_solver *handle, const pbf_phase_table *
   return status == PBF_OK ? wake_all(s) : status;
 }
 
+static pbf_status set_accelerations(pbf_backend_solver *handle, uint32_t on) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  const uint32_t before = s->accelerations;
+  const bool had = s->acceleration != nullptr;
+  s->accelerations = on;
+  pbf_status status = apply_params(s, &s->params, s->collider_count, s->colliders);
+  if (status != PBF_OK) s->accelerations = before;
+  if (status == PBF_OK && s->acceleration && !had)
+    status = pbf_cuda_check(
+        cudaMemsetAsync(s->acceleration, 0, s->capacity * sizeof *s->acceleration, s->stream),
+        "cudaMemsetAsync");
+  return status == PBF_OK ? wake_all(s) : status;
+}
+
 /* The arrays are there. */
 static pbf_status plan_for(pbf_backend_solver *handle, uint32_t count) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
   const pbf_schedule schedule =
       pbf_schedule_of(&s->params, &s->derived, &s->basins, s->collider_count, s->colliders, count,
-                      s->scene_capacity, s->most_left, s->overlaps, &s->phases);
+                      s->scene_capacity, s->most_left, s->overlaps, &s->phases, s->accelerations);
   if (!schedule.runs[PBF_STAGE_GRID])
     if (pbf_status status = add_weight(s)) return status;
   s->planned = count;
@@ -405,4 +421,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     set_phases,
     plan_steps,
     steps_leave,
+    set_accelerations,
 };

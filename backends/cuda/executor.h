@@ -371,6 +371,7 @@ struct executor : launcher {
     swap_arrays(&s->last_pressure, &s->other_last_pressure);
     swap_arrays(&s->overlap, &s->other_overlap);
     swap_arrays(&s->phase, &s->other_phase);
+    swap_arrays(&s->acceleration, &s->other_acceleration);
     s->ordered = false;
     s->time = time;
     if (!has_ranks(s)) return;

@@ -166,6 +166,7 @@ static inline unsorted_particles inbox_of(const solver *s, const unsorted_partic
   from.overlap = in.overlap;
   from.activity = in.activity;
   from.phase = in.phase;
+  from.acceleration = in.acceleration;
   from.count = count;
   return from;
 }

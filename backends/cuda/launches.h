@@ -47,12 +47,17 @@ static inline void with_lists(const solver *s, Launch launch) {
     launch(std::false_type());
 }
 
+/* Whether the sort asks for what few scenes have. */
+static inline bool sorts_all(const solver *s, const unsorted_particles &from) {
+  return from.activity || from.acceleration || has_images_or_phases(s);
+}
+
 /* Of these particles; each learns its cell, and is counted there unless `cell_count` is null. */
 static inline void predict_into(const solver *s, const unsorted_particles &from,
                                 const cell_grid &grid, const prediction &p, uint32_t *cell_count,
                                 const sort_scratch &scratch) {
   const surfaces_met met = surfaces_of(s);
-  const bool all = from.activity || has_images_or_phases(s);
+  const bool all = sorts_all(s, from);
   auto kernel = met == LISTED_SURFACES  ? predict_listed_kernel
                 : met == FIELD_SURFACES ? predict_kernel<FIELD_SURFACES, true>
                 : met == MANY_SURFACES  ? all ? predict_kernel<MANY_SURFACES, true>
@@ -90,7 +95,7 @@ static inline void place_from(const solver *s, const unsorted_particles &from,
                               const neighborhood &n, const prediction &p,
                               const sort_scratch &scratch) {
   const surfaces_met met = surfaces_of(s);
-  const bool all = from.activity || has_images_or_phases(s);
+  const bool all = sorts_all(s, from);
   auto place = met == LISTED_SURFACES  ? place_listed_kernel
                : met == FIELD_SURFACES ? place_kernel<FIELD_SURFACES, true>
                : met == MANY_SURFACES
@@ -179,6 +184,7 @@ static inline pbf_status sort_present(solver *s, const cell_grid &grid) {
   from.last_pressure = nullptr;
   from.overlap = nullptr;
   from.phase = nullptr;
+  from.acceleration = nullptr;
   if (pbf_status status = launch_predict(s, from, grid, at_rest)) return status;
   return launch_sort(s, from, neighborhood_of(s, grid), at_rest);
 }

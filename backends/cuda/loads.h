@@ -65,9 +65,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     if (PBF_SLEEP && from.activity && *from.all_asleep) place = i;
     const bool asleep = PBF_SLEEP && from.activity && pbf_is_asleep(from.activity[i]);
     const pbf_vec v = to.velocities[place];
-    forced = asleep
-                 ? v
-                 : pbf_apply_forces(&forces, position_of(load(from.points, i)), from.velocities[i]);
+    forced = asleep ? v
+                    : pbf_apply_forces(&forces, position_of(load(from.points, i)),
+                                       velocity_of<true>(from, forces, i));
     push[place] = pbf_sub(v, forced);
     if (to.mobility) forced = pbf_scaled(forced, 1 / to.mobility[place]);
     counts = place - to.first < to.count - to.first;

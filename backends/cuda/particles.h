@@ -82,6 +82,7 @@ struct sorted_particles {
   pbf_real *overlap;       /* where fluid has been placed in other fluid, else null */
   uint8_t *phase;          /* where phases differ, else null, … */
   pbf_real *mobility;      /* … as this */
+  pbf_vec *acceleration;   /* where particles have some, else null */
 };
 
 /* The particle of a thread, of those that stages work on. */

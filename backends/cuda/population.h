@@ -155,6 +155,9 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
     status =
         pbf_cuda_check(cudaMemsetAsync(s->phase + s->count, (int)p->phase, p->count, s->stream),
                        "cudaMemsetAsync");
+  if (status == PBF_OK && s->acceleration)
+    status = pbf_cuda_check(cudaMemsetAsync(s->acceleration + s->count, 0, bytes, s->stream),
+                            "cudaMemsetAsync");
   if (status == PBF_OK) status = init_new(s, s->count, p->count);
   if (status == PBF_OK) s->count += p->count;
   return status;
@@ -172,10 +175,11 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
           pbf_cuda_scan(place, s->count + 1, s->scan_scratch, s->scan_bytes, s->stream))
     return status;
   compact_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-      {s->points, s->velocities, s->ids, s->activity, s->last_pressure, s->overlap, s->phase},
+      {s->points, s->velocities, s->ids, s->activity, s->last_pressure, s->overlap, s->phase,
+       s->acceleration},
       s->count, place,
       {s->other, s->other_velocities, s->other_ids, s->other_activity, s->other_last_pressure,
-       s->other_overlap, s->other_phase});
+       s->other_overlap, s->other_phase, s->other_acceleration});
   if (pbf_status status = pbf_cuda_check_launch("compact_kernel")) return status;
   swap_arrays(&s->points, &s->other);
   swap_arrays(&s->velocities, &s->other_velocities);
@@ -184,6 +188,7 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
   swap_arrays(&s->last_pressure, &s->other_last_pressure);
   swap_arrays(&s->overlap, &s->other_overlap);
   swap_arrays(&s->phase, &s->other_phase);
+  swap_arrays(&s->acceleration, &s->other_acceleration);
   s->count -= count;
   return PBF_OK;
 }
@@ -414,8 +419,9 @@ static inline pbf_status population_write(solver *s, uint32_t field, const pbf_r
     write_points_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(s->points, s->ids, s->count, range,
                                                              staged);
   else
-    write_values_kernel<pbf_vec>
-        <<<blocks, PBF_BLOCK, 0, s->stream>>>(s->velocities, s->ids, s->count, range, staged);
+    write_values_kernel<pbf_vec><<<blocks, PBF_BLOCK, 0, s->stream>>>(
+        field == PBF_BACKEND_FIELD_ACCELERATION ? s->acceleration : s->velocities, s->ids, s->count,
+        range, staged);
   return pbf_cuda_check_launch("write kernel");
 }
 

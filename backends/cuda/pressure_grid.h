@@ -5,7 +5,7 @@
 
 #include "cuda/barrier.h"
 #include "cuda/kernels.h"
-#include "physics/pressure_grid/cell_drag.h"
+#include "physics/pressure_grid/cell_forces.h"
 #include "physics/pressure_grid/particles.h"
 #include "physics/pressure_grid/solve.h"
 
@@ -24,7 +24,7 @@ struct pressure_grid_control {
 struct pressure_grid_arrays {
   pressure_grid_control *control;    /* the first of all arrays; null: there is no grid */
   unsigned long long *sums, *places; /* of cells; the places lie behind the sums of the grid */
-  unsigned long long *cell_moves;    /* of cells, along each axis; null where there is no drag */
+  unsigned long long *cell_moves;    /* of cells, along each axis; null: no forces like that */
   double *free_volumes;              /* of cells */
   double *depths, *right, *inverse, *lambda, *before; /* of nodes */
   uint32_t *inside; /* the nodes that are not in the open; each block has its own */
@@ -58,7 +58,7 @@ static inline pbf_surface *pressure_grid_surfaces(void *room, uint32_t capacity)
       pbf_pressure_grid_topology_bytes(pbf_pressure_grid_max_nodes(capacity)));
 }
 
-/* Where there is drag. */
+/* Where forces differ from particle to particle. */
 static inline uint64_t pbf_cell_move_words(uint32_t capacity) {
   return PBF_DIM * pbf_pressure_grid_max_nodes(capacity);
 }
@@ -144,7 +144,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   atomicAdd(&a.places[cell], (unsigned long long)pbf_pressure_grid_place_entry(at));
   for (uint64_t k = 0; k < PBF_DIM && a.cell_moves; ++k)
     atomicAdd(&a.cell_moves[(uint64_t)PBF_DIM * cell + k],
-              (unsigned long long)pbf_cell_move_entry(&grid, n.particles.velocities[i].c[k]));
+              (unsigned long long)pbf_cell_move_entry(
+                  &grid, n.particles.velocities[i].c[k],
+                  n.particles.acceleration ? n.particles.acceleration[i].c[k] : 0));
 }
 
 /* ---- Thin solids: a thread a cell, or a node ------------------------------------------------ */
@@ -290,8 +292,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                a.free_volumes, a.depths, node, &right, &inverse);
     if (a.topology.is_active && a.topology.torn[node]) inverse = 0;
     if (a.cell_moves && inverse > 0)
-      right += pbf_drag_at_node(&grid, source_scale.part, pressure_grid_integers(a.sums),
-                                pressure_grid_integers(a.cell_moves), a.free_volumes, node);
+      right += pbf_moves_at_node(&grid, source_scale.part, pressure_grid_integers(a.sums),
+                                 pressure_grid_integers(a.cell_moves), a.free_volumes, node);
     a.right[node] = right;
     a.inverse[node] = inverse;
   } else if (node - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
@@ -301,7 +303,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     right = a.topology.right[torn];
     inverse = a.topology.inverse[torn];
     if (a.cell_moves && inverse > 0)
-      a.topology.right[torn] = right += pbf_drag_at_torn_node(
+      a.topology.right[torn] = right += pbf_moves_at_torn_node(
           &grid, &a.topology, source_scale.part, pressure_grid_integers(a.sums),
           pressure_grid_integers(a.cell_moves), a.free_volumes, torn);
   }

@@ -46,7 +46,9 @@ static inline pbf_status settle_state(solver *s) {
        s->overlap ? n * sizeof *s->overlap : 0},
       {s->other_activity, s->activity ? s->activity + first : nullptr,
        s->activity ? n * sizeof *s->activity : 0},
-      {s->other_phase, s->phase ? s->phase + first : nullptr, s->phase ? n * sizeof *s->phase : 0}};
+      {s->other_phase, s->phase ? s->phase + first : nullptr, s->phase ? n * sizeof *s->phase : 0},
+      {s->other_acceleration, s->acceleration ? s->acceleration + first : nullptr,
+       s->acceleration ? n * sizeof *s->acceleration : 0}};
   for (const auto &copy : copies)
     if (copy.bytes)
       if (pbf_status status = pbf_cuda_check(
@@ -60,6 +62,7 @@ static inline pbf_status settle_state(solver *s) {
   swap_arrays(&s->overlap, &s->other_overlap);
   swap_arrays(&s->activity, &s->other_activity);
   swap_arrays(&s->phase, &s->other_phase);
+  swap_arrays(&s->acceleration, &s->other_acceleration);
   s->first = 0;
   return PBF_OK;
 }
@@ -126,7 +129,8 @@ struct rest_of_particle {
 
 static inline pbf_status write_on_ranks(solver *s, uint32_t field, const pbf_rows *rows,
                                         const void *in) {
-  const bool is_vector = field == PBF_FIELD_POSITION || field == PBF_FIELD_VELOCITY;
+  const bool is_vector = field == PBF_FIELD_POSITION || field == PBF_FIELD_VELOCITY ||
+                         field == PBF_BACKEND_FIELD_ACCELERATION;
   uint64_t row_bytes = (is_vector ? PBF_DIM : 1) * sizeof(pbf_real);
   if (field == PBF_BACKEND_FIELD_PHASE) row_bytes = 1;
   if (field == PBF_BACKEND_FIELD_REST) row_bytes = sizeof(rest_of_particle);

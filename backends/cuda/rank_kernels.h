@@ -193,7 +193,7 @@ static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
 
 static inline __host__ __device__ rank_inbox_has inbox_has(const unsorted_particles &of) {
   return {of.last_pressure != nullptr, of.overlap != nullptr, of.activity != nullptr,
-          of.phase != nullptr};
+          of.phase != nullptr, of.acceleration != nullptr};
 }
 
 /* Puts each particle where a rank holds it. Cells of those that this rank does not hold get to be
@@ -229,6 +229,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     if (to.overlap) to.overlap[slot] = from.overlap[i];
     if (to.activity) to.activity[slot] = from.activity[i];
     if (to.phase) to.phase[slot] = from.phase[i];
+    if (to.acceleration) to.acceleration[slot] = from.acceleration[i];
   }
 }
 

@@ -107,18 +107,20 @@ struct rank_inbox {
   pbf_vec *velocities;
   uint32_t *ids;
   pbf_real *last_pressure, *overlap, *activity; /* null: none, … */
-  uint8_t *phase;                               /* … as here */
+  uint8_t *phase;                               /* … as here, … */
+  pbf_vec *acceleration;                        /* … and here */
 };
 
 /* Which of these there are. */
 struct rank_inbox_has {
-  bool last_pressure, overlap, activity, phase;
+  bool last_pressure, overlap, activity, phase, acceleration;
 };
 
 /* The capacity is a multiple of RANK_GROUP. */
 static inline uint64_t rank_inbox_bytes(uint32_t capacity, const rank_inbox_has &has) {
   const uint64_t numbers = (uint64_t)has.last_pressure + has.overlap + has.activity;
-  return capacity * (sizeof(point) + sizeof(pbf_vec) + sizeof(uint32_t) +
+  const uint64_t vectors = (uint64_t)1 + has.acceleration;
+  return capacity * (sizeof(point) + vectors * sizeof(pbf_vec) + sizeof(uint32_t) +
                      numbers * sizeof(pbf_real) + (uint64_t)has.phase);
 }
 
@@ -127,7 +129,9 @@ static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t ca
   rank_inbox in;
   in.points = reinterpret_cast<point *>(at);
   in.velocities = reinterpret_cast<pbf_vec *>(in.points + capacity);
-  in.last_pressure = reinterpret_cast<pbf_real *>(in.velocities + capacity);
+  in.acceleration = in.velocities + capacity;
+  in.last_pressure =
+      reinterpret_cast<pbf_real *>(in.acceleration + (has.acceleration ? capacity : 0));
   in.overlap = in.last_pressure + (has.last_pressure ? capacity : 0);
   in.activity = in.overlap + (has.overlap ? capacity : 0);
   in.ids = reinterpret_cast<uint32_t *>(in.activity + (has.activity ? capacity : 0));
@@ -136,6 +140,7 @@ static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t ca
   if (!has.overlap) in.overlap = nullptr;
   if (!has.activity) in.activity = nullptr;
   if (!has.phase) in.phase = nullptr;
+  if (!has.acceleration) in.acceleration = nullptr;
   return in;
 }
 

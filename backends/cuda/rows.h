@@ -98,6 +98,7 @@ struct particle_arrays {
   pbf_real *last_pressure; /* where lambda adds up, else null */
   pbf_real *overlap;       /* where fluid has been placed in other fluid, else null */
   uint8_t *phase;          /* where phases differ, else null */
+  pbf_vec *acceleration;   /* where particles have some, else null */
 };
 
 /* `place` is the exclusive scan of what mark_kept_kernel wrote. */
@@ -112,6 +113,7 @@ static __global__ void compact_kernel(particle_arrays from, uint32_t count, cons
   if (from.last_pressure) to.last_pressure[place[i]] = from.last_pressure[i];
   if (from.overlap) to.overlap[place[i]] = from.overlap[i];
   if (from.phase) to.phase[place[i]] = from.phase[i];
+  if (from.acceleration) to.acceleration[place[i]] = from.acceleration[i];
 }
 
 #endif

@@ -31,10 +31,10 @@ static inline uint64_t list_storage_bytes(const solver *s, const pbf_params *par
        {3ull * s->capacity * sizeof(uint32_t), 0ull + stats_bytes(padded),
         small ? (unsigned long long)small_parts_of(s).bytes : 0ull,
         small ? (unsigned long long)world_list_room(s, params) : 0ull,
-        has_ranks(s)
-            ? (unsigned long long)(rank_inbox_bytes(s->capacity, {true, true, true, true}) +
-                                   rank_scratch_bytes(s->capacity))
-            : 0ull})
+        has_ranks(s) ? (unsigned long long)(rank_inbox_bytes(s->capacity, {true, true, true, true,
+                                                                           s->accelerations != 0}) +
+                                            rank_scratch_bytes(s->capacity))
+                     : 0ull})
     largest = other > largest ? other : largest;
   return largest;
 }
@@ -83,7 +83,7 @@ static inline pbf_status apply_params(solver *s, const pbf_params *params, uint3
   constants.phases = pbf_phase_constants_of(&s->phases);
   pbf_schedule schedule =
       pbf_schedule_of(params, &derived, &s->basins, count, colliders, s->planned, s->scene_capacity,
-                      s->most_left, s->overlaps, &s->phases);
+                      s->most_left, s->overlaps, &s->phases, s->accelerations);
   uint32_t chunks = list_chunks(params);
   /* What may fail comes first; what is no longer wanted goes only when nothing can fail. */
   bool small = !has_ranks(s) && small_wanted(params, schedule),

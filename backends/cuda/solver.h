@@ -106,6 +106,7 @@ struct solver {
   pbf_entering entering;  /* what of it enters */
   int overlaps;           /* some may be left */
   pbf_phase_table phases; /* that differ; count 0: none do */
+  uint32_t accelerations; /* whether particles have some */
   pbf_sleep sleep;
   pbf_moving_obstacles moving_obstacles;
   pbf_real *pressures;               /* once they have been looked at */
@@ -198,13 +199,15 @@ static inline unsorted_particles state_of(const solver *s) {
           s->last_pressure ? s->last_pressure + s->first : nullptr,
           s->overlap ? s->overlap + s->first : nullptr,
           s->constants.overlap_decay,
-          s->phase ? s->phase + s->first : nullptr};
+          s->phase ? s->phase + s->first : nullptr,
+          s->acceleration ? s->acceleration + s->first : nullptr};
 }
 
 static inline neighborhood neighborhood_of(const solver *s, const cell_grid &grid) {
   return {{s->other, s->other_velocities, s->other_ids, s->cells, s->cell_start,
            has_ranks(s) ? s->ranks.last : s->count, s->ranks.first, s->other_activity,
-           s->other_last_pressure, s->other_overlap, s->other_phase, s->mobility},
+           s->other_last_pressure, s->other_overlap, s->other_phase, s->mobility,
+           s->other_acceleration},
           grid,
           s->lists,
           s->constants};

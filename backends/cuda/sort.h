@@ -33,6 +33,7 @@ struct unsorted_particles {
   const pbf_real *overlap;       /* where fluid has been placed in other fluid, else null; */
   pbf_real overlap_decay;        /* in this step */
   const uint8_t *phase;          /* where phases differ, else null */
+  const pbf_vec *acceleration;   /* where particles have some, else null */
 };
 
 /* Of a particle that other ranks hold alone. */
@@ -49,13 +50,21 @@ static __device__ __forceinline__ bool sleeps(const unsorted_particles &from, ui
   return ALL && PBF_SLEEP && from.activity && pbf_is_asleep(from.activity[i]);
 }
 
-/* ALL: of scenes that have what few have: sleep, periodic axes, phases. */
+/* With what an acceleration of its own adds to it. */
+template <bool ALL>
+static __device__ __forceinline__ pbf_vec velocity_of(const unsorted_particles &from,
+                                                      const pbf_forces &forces, uint32_t i) {
+  const pbf_vec v = from.velocities[i];
+  return ALL && from.acceleration ? pbf_add_acceleration(&forces, v, from.acceleration[i]) : v;
+}
+
+/* ALL: of scenes that have what few have: sleep, periodic axes, phases, accelerations. */
 template <surfaces_met SURFACES, bool ALL>
 static __device__ __forceinline__ pbf_vec predicted_position(const unsorted_particles &from,
                                                              const prediction &p, uint32_t i,
                                                              pbf_vec x) {
   if (sleeps<ALL>(from, i)) return x;
-  pbf_vec y = pbf_predict(&p.forces, x, from.velocities[i]);
+  pbf_vec y = pbf_predict(&p.forces, x, velocity_of<ALL>(from, p.forces, i));
   return p.collide ? resolve_collisions<SURFACES>(p.obstacles, 1, x, y) : y;
 }
 
@@ -99,13 +108,14 @@ static __device__ __forceinline__ void place_particle(const unsorted_particles &
     pbf_vec inside = predicted;
     if (ALL && p.periods.any) inside = pbf_image_inside(&p.periods, predicted);
     store(to.points, place, point_at(inside));
-    pbf_vec v = from.velocities[i], free = pbf_predict(&p.forces, x, v);
+    pbf_vec v = velocity_of<ALL>(from, p.forces, i), free = pbf_predict(&p.forces, x, v);
     to.velocities[place] = pbf_predicted_velocity(&p.forces, x, v, free, predicted);
   }
   if (ALL && PBF_SLEEP && from.activity) to.activity[place] = from.activity[i];
   if (from.last_pressure) to.last_pressure[place] = from.last_pressure[i];
   if (from.overlap) to.overlap[place] = pbf_overlap_left(from.overlap_decay, from.overlap[i]);
   if (ALL && from.phase) to.phase[place] = from.phase[i];
+  if (ALL && from.acceleration) to.acceleration[place] = from.acceleration[i];
   to.ids[place] = id;
   to.cells[place] = cell;
 }

@@ -32,6 +32,7 @@ typedef struct pbf_schedule {
   int checks_convergence; /* the solve ends when its density error is small enough */
   int phases;             /* that differ: phases.h, … */
   int close_phases;       /* … and a pressure grid carries: pbf_phases_are_close */
+  int accelerations;      /* particles have some beside gravity */
   int may_have_grid;      /* a pressure grid, now or with more particles */
   int collide_after_prediction, collide_in_iteration, collide_after_solve;
 } pbf_schedule;
@@ -55,12 +56,13 @@ static inline uint32_t pbf_has_adhesion(const pbf_params *params, uint32_t colli
  * is room for: what more of them would need is in memory from the start, so that adding can't fail.
  * `most` is what steps so far have left of an error for each layer, see pbf_depth_wants_grid.
  * `derived` is of the same parameters; `basins` are looked for where they are others than before.
- * `table`: of phases that differ, or null. */
+ * `table`: of phases that differ, or null. `accelerations`: whether particles have some. */
 static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_derived *derived,
                                            pbf_basins *basins, uint32_t colliders,
                                            const pbf_collider *list, uint32_t count,
                                            uint32_t capacity, double most, int overlaps = 0,
-                                           const pbf_phase_table *table = NULL) {
+                                           const pbf_phase_table *table = NULL,
+                                           int accelerations = 0) {
   pbf_schedule s;
   memset(&s, 0, sizeof s);
   s.features = pbf_features_of(params);
@@ -71,6 +73,7 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.accelerated = params->solver == PBF_SOLVER_CHEBYSHEV;
   s.wall_density = params->wall_density > 0;
   const int phases = s.phases = table && table->count > 0;
+  s.accelerations = accelerations;
   s.close_phases = phases && pbf_phases_are_close(table);
   s.no_slip = params->viscosity > 0 && params->wall_no_slip > 0;
   for (uint32_t k = 0; k < colliders; ++k)

@@ -82,6 +82,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
     memset(s->v + s->count, 0, bytes);
   if (s->last_pressure) memset(s->last_pressure + s->count, 0, p->count * sizeof *s->lambda);
   if (s->overlap) memset(s->overlap + s->count, 0, p->count * sizeof *s->overlap);
+  if (s->acceleration) memset(s->acceleration + s->count, 0, bytes);
   if (s->phase) memset(s->phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
   init_new(s, s->count - p->count);
@@ -102,6 +103,7 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     if (sleeps(s)) s->activity[kept] = s->activity[i];
     if (s->last_pressure) s->last_pressure[kept] = s->last_pressure[i];
     if (s->overlap) s->overlap[kept] = s->overlap[i];
+    if (s->acceleration) s->acceleration[kept] = s->acceleration[i];
     if (s->phase) s->phase[kept] = s->phase[i];
     s->ids[kept++] = s->ids[i];
   }
@@ -161,7 +163,10 @@ static pbf_status write_field(solver *s, uint32_t field, const pbf_rows *rows, c
     memcpy(s->phase + rows->first, in, rows->count);
     return PBF_OK;
   }
-  memcpy((field == PBF_FIELD_POSITION ? s->x : s->v) + rows->first, in, rows->count * sizeof *s->x);
+  pbf_vec *to = field == PBF_BACKEND_FIELD_ACCELERATION ? s->acceleration
+                : field == PBF_FIELD_POSITION           ? s->x
+                                                        : s->v;
+  memcpy(to + rows->first, in, rows->count * sizeof *to);
   return PBF_OK;
 }
 
@@ -264,4 +269,5 @@ const pbf_backend_api PBF_VARIANT_API = {
     .set_phases = set_phases<solver>,
     .plan_steps = plan_steps<solver>,
     .steps_leave = steps_leave<solver>,
+    .set_accelerations = set_accelerations<solver>,
 };

@@ -4,15 +4,23 @@
 
 #include "common/pressure_grid.h"
 
-static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_vec v,
-                                     pbf_real target, pbf_real density, pbf_real overlap) {
+static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_real target,
+                                     pbf_real density, pbf_real overlap) {
   double at[PBF_DIM];
   uint32_t cell = pbf_pressure_grid_find(storage, x, at);
   if (cell == PBF_NO_INDEX) return;
   storage->sums[cell] += pbf_pressure_grid_entry(target, density, overlap);
   storage->places[cell] += pbf_pressure_grid_place_entry(at);
-  for (uint64_t k = 0; k < PBF_DIM && storage->cell_moves; ++k)
-    storage->cell_moves[PBF_DIM * cell + k] += pbf_cell_move_entry(&storage->grid, v.c[k]);
+}
+
+static inline void pressure_grid_add_move(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_vec v,
+                                          pbf_vec acceleration) {
+  double at[PBF_DIM];
+  uint32_t cell = pbf_pressure_grid_find(storage, x, at);
+  if (cell == PBF_NO_INDEX) return;
+  for (uint64_t k = 0; k < PBF_DIM; ++k)
+    storage->cell_moves[PBF_DIM * cell + k] +=
+        pbf_cell_move_entry(&storage->grid, v.c[k], acceleration.c[k]);
 }
 
 static inline pbf_vec pressure_grid_move(const pbf_pressure_grid_storage *storage, pbf_vec x) {
@@ -32,7 +40,7 @@ static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
     pbf_pressure_grid_equation(&storage->grid, &storage->topology, source_scale, storage->sums,
                                storage->free_volumes, storage->depths, node, right, inverse);
     if (storage->topology.is_active && storage->topology.torn[node]) *inverse = 0;
-    if (*inverse > 0) *right += pbf_pressure_grid_drag_at(storage, source_scale, node);
+    if (*inverse > 0) *right += pbf_pressure_grid_moves_at(storage, source_scale, node);
     if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
   }
   return largest;

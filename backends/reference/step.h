@@ -58,8 +58,14 @@ static inline void begin_inside(solver *s) {
   }
 }
 
+static inline void accelerate(solver *s, const pbf_forces *forces) {
+  for (uint32_t i = 0; i < s->count && s->acceleration; ++i)
+    if (!asleep(s, i)) s->v[i] = pbf_add_acceleration(forces, s->v[i], s->acceleration[i]);
+}
+
 static inline void predict(solver *s, double time, const pbf_obstacles *o) {
   pbf_forces forces = pbf_forces_of(&s->params, time);
+  accelerate(s, &forces);
   for (uint32_t i = 0; i < s->count; ++i)
     s->moved[i] = asleep(s, i) ? s->x[i] : pbf_predict(&forces, s->x[i], s->v[i]);
   if (s->schedule.collide_after_prediction) collide_all(s, o, 1, s->x);
@@ -144,9 +150,12 @@ static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
   s->pressure_grid.carried = s->constants.phases.carried;
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
-    pressure_grid_add(&s->pressure_grid, s->moved[i], s->v[i], target,
+    pressure_grid_add(&s->pressure_grid, s->moved[i], target,
                       inactive(s, i) ? target : density_at(s, o, s->moved, i, NULL),
                       s->overlap ? s->overlap[i] : 0);
+    if (s->pressure_grid.cell_moves)
+      pressure_grid_add_move(&s->pressure_grid, s->moved[i], s->v[i],
+                             s->acceleration ? s->acceleration[i] : (pbf_vec){{0}});
   }
   pressure_grid_solve(&s->pressure_grid, o);
   for (uint32_t i = 0; i < s->count; ++i) {

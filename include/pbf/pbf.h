@@ -212,10 +212,10 @@ PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_
  * the caller computes of positions. They act in each step, on its velocities before the prediction,
  * until they are replaced; particles that were given none have 0. They stay with their particles
  * when others are removed. Null, with first and count 0, takes all away, and with them their
- * memory. Steps are then made one at a time, each by way of a copy of the velocities in host
- * memory, and wake what sleeps; so are the parts of a divided step, each of which is accelerated by
- * itself. The pressure grid's weight and cohesion go by gravity alone. No part of a saved state:
- * pbf_save returns PBF_ERROR_STATE while there are some, pbf_load takes them away. */
+ * memory. Each call wakes what sleeps. The pressure grid carries them as it carries weight; whether
+ * there is one, and cohesion, go by gravity alone. No part of a saved state: pbf_save returns
+ * PBF_ERROR_STATE while there are some, pbf_load takes them away. PBF_ERROR_UNSUPPORTED from a
+ * backend without them. */
 PBF_API pbf_status pbf_set_accelerations(pbf_solver *solver, uint32_t first, uint32_t count,
                                          const void *accelerations);
 

@@ -171,6 +171,10 @@ enum { PBF_BACKEND_FIELD_LAST_PRESSURE = 103 };
 /* To be written between set_phases with a table and without: its phase, a uint8_t a particle. */
 enum { PBF_BACKEND_FIELD_PHASE = 102 };
 
+/* To be written between set_accelerations with 1 and with 0: a particle's acceleration beside
+ * gravity, a vector. 0 of new ones. */
+enum { PBF_BACKEND_FIELD_ACCELERATION = 104 };
+
 /* Of phases that differ. */
 typedef struct pbf_phase_table {
   uint32_t struct_size;
@@ -386,6 +390,10 @@ struct pbf_backend_api {
    * differ. */
   pbf_status (*plan_steps)(pbf_backend_solver *solver, double most);
   double (*steps_leave)(pbf_backend_solver *solver, double error, double most);
+
+  /* Optional: particles have accelerations beside gravity, PBF_BACKEND_FIELD_ACCELERATION, which
+   * act in each step and are 0 until they are written; or, with 0, none any more. */
+  pbf_status (*set_accelerations)(pbf_backend_solver *solver, uint32_t on);
 };
 
 /* What the plugin answers. */

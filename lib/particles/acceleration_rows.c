@@ -1,4 +1,4 @@
-/* The memory of accelerations, a row a particle. */
+/* The library's copy of accelerations, a row a particle. */
 #include "accelerations.h"
 
 #include <string.h>
@@ -6,9 +6,9 @@
 #include "memory.h"
 
 void pbf_accelerations_move(pbf_solver *solver, uint32_t from, uint32_t to) {
-  if (from != to)
-    memcpy(pbf_acceleration_values(solver, 0, to), pbf_acceleration_values(solver, 0, from),
-           pbf_point_bytes(solver));
+  if (from == to) return;
+  memcpy(pbf_acceleration_of_row(solver, to), pbf_acceleration_of_row(solver, from),
+         pbf_point_bytes(solver));
 }
 
 void pbf_accelerations_free(pbf_solver *solver) {

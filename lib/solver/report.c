@@ -119,7 +119,7 @@ static void add_own_memory(const pbf_solver *solver, pbf_plan *plan) {
     add_array(plan, "previous position (host)", (double)pbf_point_bytes(solver),
               pbf_previous_bytes(solver));
   if (solver->accelerations)
-    add_array(plan, "accelerations (host)", 3 * (double)pbf_point_bytes(solver),
+    add_array(plan, "accelerations (host)", (double)pbf_point_bytes(solver),
               pbf_accelerations_bytes(solver));
   if (solver->snapshots)
     add_array(plan, "snapshots (host)",

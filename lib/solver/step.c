@@ -12,7 +12,6 @@
 #include "look_ahead.h"
 #include "os.h"
 #include "overlap.h"
-#include "particles/accelerations.h"
 #include "plan.h"
 #include "prestabilize.h"
 #include "previous.h"
@@ -99,24 +98,13 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
 }
 
-/* A step that fails leaves velocities as they were; a part of it that is done is a shorter step. */
-static pbf_status run_accelerated(pbf_solver *solver, uint32_t steps, uint32_t *done) {
-  pbf_accelerated_rows rows;
-  const double begin = pbf_solver_time(solver);
-  pbf_status status = pbf_accelerate(solver, &rows);
-  if (status != PBF_OK) return status;
-  status = run(solver, steps, done);
-  if (*done == 0 && pbf_solver_time(solver) == begin) pbf_undo_accelerations(solver, &rows);
-  return status;
-}
-
-/* A step that fails leaves positions as they were, too, and what is noted of overlaps. */
+/* A step that fails leaves positions as they were, and what is noted of overlaps. */
 static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   pbf_before_projection before;
   const pbf_overlap_state overlap = solver->overlap;
   const double begin = pbf_solver_time(solver);
   pbf_status status = pbf_prestabilize(solver, &before);
-  if (status == PBF_OK) status = run_accelerated(solver, steps, done);
+  if (status == PBF_OK) status = run(solver, steps, done);
   if (*done > 0 || pbf_solver_time(solver) != begin) {
     pbf_prestabilize_accept(solver, &before);
   } else {
@@ -126,23 +114,18 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   return status;
 }
 
-/* Whether something is done before each step, which are then made one at a time. */
-static int needs_work_before(const pbf_solver *solver) {
-  return pbf_emission_is_active(solver) || pbf_has_accelerations(solver);
-}
-
-/* What comes and goes, and room for what follows from that. */
+/* What comes and goes before each step, which are then made one at a time, and room for what
+ * follows from that. */
 static pbf_status prepare(pbf_solver *solver, uint32_t *steps) {
   pbf_status status = pbf_emission_work(solver);
-  if (needs_work_before(solver)) *steps = 1;
+  if (pbf_emission_is_active(solver)) *steps = 1;
   if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, steps);
   if (status == PBF_OK) status = pbf_plan_step(solver);
   return status;
 }
 
 /* What the host does before a step it does before each part of a divided one, since it goes by how
- * long that is: a stream that got the columns of a whole step at once would run into itself, and
- * accelerations would be blows. */
+ * long that is: a stream that got the columns of a whole step at once would run into itself. */
 static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
   const double begin = pbf_solver_time(solver);
   pbf_status status = PBF_OK;
@@ -171,7 +154,7 @@ static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
 /* Of the next step; 0: nothing is done before them. */
 static pbf_status find_parts(pbf_solver *solver) {
   uint32_t parts = 0;
-  if (solver->params.max_substeps <= 1 || !needs_work_before(solver)) return PBF_OK;
+  if (solver->params.max_substeps <= 1 || !pbf_emission_is_active(solver)) return PBF_OK;
   pbf_status status = pbf_substeps_of(solver, &parts);
   if (status == PBF_OK) solver->parts = parts;
   return status;

@@ -76,6 +76,7 @@ static void restore_particles(pbf_solver *solver, const previous_state *previous
   replace_particles(solver, count, ids, previous->positions, previous->velocities);
   pbf_phases_to_backend(solver, solver->phases, count, ids);
   pbf_overlap_restore(solver, &solver->overlap);
+  pbf_accelerations_restore(solver, count, ids);
   pbf_kept_write(solver, count, ids, &previous->kept);
 }
 
@@ -130,7 +131,7 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->planned = in->header.planned;
   solver->step_length_checked = 0;
   pbf_previous_forget(solver);
-  pbf_accelerations_free(solver);
+  pbf_accelerations_clear(solver);
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

@@ -419,7 +419,7 @@ AT(pbf_backend_array, reserved, 12);
 AT(pbf_backend_array, data, 16);
 AT(pbf_backend_array, owner, 24);
 
-SIZE(pbf_backend_api, 264);
+SIZE(pbf_backend_api, 272);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -454,6 +454,7 @@ AT(pbf_backend_api, get_loads, 232);
 AT(pbf_backend_api, set_phases, 240);
 AT(pbf_backend_api, plan_steps, 248);
 AT(pbf_backend_api, steps_leave, 256);
+AT(pbf_backend_api, set_accelerations, 264);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

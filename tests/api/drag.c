@@ -1,7 +1,6 @@
 /* Drag in closed form: a free particle's velocity, and the slope of a tank in the wind. */
-#include "support.h"
+#include "leaning_tank.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { STEPS = 24 };
@@ -78,69 +77,23 @@ static void what_falls_ends_at_a_speed(void **state) {
 
 /* ---- A deep tank in the wind --------------------------------------------------------------- */
 
-enum { WIDE = 40, DEEP = 24 };
-static const double d = 0.05, pull = 9.81, tilt = 0.12; /* tilt: drag times velocity over gravity */
-
-/* A tank with walls that move along at `speed`, as its fluid does, in a wind that is as much faster
- * as makes the tilt. */
+/* With walls that move along at `speed`, as its fluid does, in a wind that is as much faster as
+ * makes the tilt. */
 static pbf_solver *windy_tank(const char *backend, uint32_t dimension, uint32_t precision,
                               double speed) {
-  const double size[3] = {WIDE * d, 2 * DEEP * d, 4 * d};
-  const uint32_t cells[3] = {WIDE, DEEP, dimension == 3 ? 4 : 1};
-  pbf_desc desc = test_desc(dimension, precision, cells[0] * cells[1] * cells[2]);
-  pbf_params params;
-  if (backend) desc.backend = backend;
-  assert_ok(pbf_params_init(&params, sizeof params));
-  params.spacing = d;
-  params.smoothing_radius = 2 * d;
-  params.time_step = 1.0 / 60;
+  pbf_params params = leaning_params(dimension);
   params.drag = 1;
   params.drag_velocity[0] = speed + tilt * pull / params.drag;
-  for (int k = 0; k < 3; ++k) params.domain_max[k] = size[k];
   params.wall_velocity[0] = params.wall_velocity[1] = speed;
-  pbf_solver *solver = test_create(&desc, &params);
-  char x[3 * sizeof(double)], v[3 * sizeof(double)];
-  for (uint32_t i = 0; i < cells[0] * cells[1] * cells[2]; ++i) {
-    const uint32_t at[3] = {i % WIDE, i / WIDE % DEEP, i / WIDE / DEEP};
-    for (uint32_t k = 0; k < dimension; ++k) {
-      test_put(x, k, precision, d * (at[k] + 0.5));
-      test_put(v, k, precision, k == 0 ? speed : 0);
-    }
-    assert_ok(pbf_add_particles(solver, 1, x, v, NULL));
-  }
-  return solver;
+  return leaning_tank(backend, dimension, precision, &params, speed);
 }
 
-/* The mean over two seconds, ten later, of how far the centre of mass is off the tank's middle, and
- * of its height. */
-static void mean_centre(pbf_solver *solver, double speed, double centre[2]) {
-  enum { LOOKS = 20, EACH = 6 };
-  centre[0] = centre[1] = 0;
-  assert_ok(pbf_step(solver, 600));
-  for (int look = 1; look <= LOOKS; ++look) {
-    pbf_stats stats = {.struct_size = sizeof stats};
-    assert_ok(pbf_step(solver, EACH));
-    assert_ok(pbf_get_stats(solver, &stats));
-    const double middle = WIDE * d / 2 + speed * (600 + look * EACH) / 60.0;
-    centre[0] += (stats.center_of_mass[0] - middle) / LOOKS;
-    centre[1] += stats.center_of_mass[1] / LOOKS;
-  }
-}
-
-/* Drag by what the wind is faster than the tank and its fluid is a gravity aside: its slope times
- * width² over 12 depths is how far the centre goes. */
+/* Drag by what the wind is faster than the tank and its fluid is a gravity aside. */
 static void check_tank(uint32_t dimension, uint32_t precision) {
-  const double width = WIDE * d, depth = DEEP * d, unit = width * width / (12 * depth);
   for (int moves = 0; moves < 2; ++moves) {
-    const double speed = moves ? 0.5 : 0, right = tilt * unit;
-    double centre[2];
+    const double speed = moves ? 0.5 : 0;
     pbf_solver *solver = windy_tank(NULL, dimension, precision, speed);
-    mean_centre(solver, speed, centre);
-    if (!(fabs(centre[0] / right - 1) < 0.04))
-      fail_msg("%uD, tank at %g: %g of the right slope", dimension, speed, centre[0] / right);
-    const double height = depth / 2 + tilt * right / 2;
-    if (!(fabs(centre[1] / height - 1) < 0.005))
-      fail_msg("%uD, tank at %g: %g of the right height", dimension, speed, centre[1] / height);
+    check_leaning(solver, dimension, speed);
     pbf_destroy(solver);
   }
 }
@@ -154,6 +107,7 @@ static void a_deep_tank_leans_in_the_wind(void **state) {
 
 /* Far from rest, as long as rounding has not grown: whole, and parted by a thin wall. */
 static pbf_solver *parted_tank(const char *backend, int parts) {
+  const pbf_collider wall = wall_in_the_middle();
   pbf_solver *solver = windy_tank(backend, 2, PBF_FLOAT32, 0.5);
   static float v[WIDE * DEEP][2];
   for (int i = 0; i < WIDE * DEEP; ++i) {
@@ -161,11 +115,6 @@ static pbf_solver *parted_tank(const char *backend, int parts) {
     v[i][1] = 0.005f * (float)(i % WIDE) - 0.1f;
   }
   assert_ok(pbf_set_velocities(solver, 0, WIDE * DEEP, v));
-  pbf_collider wall;
-  assert_ok(pbf_collider_init(&wall, sizeof wall, PBF_COLLIDER_BOX));
-  wall.position[0] = WIDE / 2 * d;
-  wall.half_extents[0] = 0.1 * d;
-  wall.half_extents[1] = 3 * DEEP * d;
   if (parts) assert_ok(pbf_set_colliders(solver, 1, &wall));
   assert_ok(pbf_step(solver, 6));
   return solver;
@@ -173,16 +122,10 @@ static pbf_solver *parted_tank(const char *backend, int parts) {
 
 static void as_the_reference(void **state) {
   (void)state;
-  static float x[WIDE * DEEP][2], y[WIDE * DEEP][2];
   if (!test_has_reference(2, PBF_FLOAT32)) test_skip("there is no reference to ask");
   for (int parts = 0; parts < 2; ++parts) {
     pbf_solver *s = parted_tank(NULL, parts), *expected = parted_tank("reference", parts);
-    assert_ok(pbf_get_positions(s, 0, WIDE * DEEP, x));
-    assert_ok(pbf_get_positions(expected, 0, WIDE * DEEP, y));
-    for (int i = 0; i < WIDE * DEEP; ++i)
-      for (int k = 0; k < 2; ++k)
-        if (!(fabsf(x[i][k] - y[i][k]) < 1e-4f))
-          fail_msg("particle %d is %g off the reference", i, fabs((double)(x[i][k] - y[i][k])));
+    check_as_reference(s, expected);
     pbf_destroy(s);
     pbf_destroy(expected);
   }

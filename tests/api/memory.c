@@ -87,6 +87,11 @@ static pbf_status set_velocities(scene *s) {
   float v[60] = {0};
   return pbf_set_velocities(s->solver, 0, 20, v);
 }
+static pbf_status set_accelerations(scene *s) {
+  const float a[15] = {0, 1};
+  pbf_status status = pbf_set_accelerations(s->solver, 0, 5, a);
+  return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
+}
 static pbf_status write_quads(scene *s) {
   double quads[80] = {0};
   const pbf_write_desc write = {.struct_size = sizeof write,
@@ -230,7 +235,7 @@ static void each_call(void **state) {
                             write_quads,   export,        timing,
                             read_quads,    keep_previous, drop_box,
                             set_snapshots, step_apart,    get_anisotropies,
-                            ask,           find_in_ball};
+                            ask,           find_in_ball,  set_accelerations};
   for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) fail_in_turn(LATTICE, actions[i]);
   fail_in_turn(PLACED, step);
   fail_in_turn(STEPPED, set_colliders);
@@ -294,6 +299,8 @@ static void the_plan_counts_every_byte(void **state) {
   assert_ok(step(&s));
   check_plan(s.solver);
   assert_ok(stats(&s));
+  check_plan(s.solver);
+  assert_ok(set_accelerations(&s));
   check_plan(s.solver);
   assert_ok(load(&s));
   check_plan(s.solver);

@@ -137,6 +137,7 @@ static void run_scene(const scene *c, pbf_solver *s) {
   }
   if (c->change) c->change(s);
   EXPECT_OK(pbf_step(s, STEPS - STEPS / 2));
+  EXPECT_OK(pbf_set_accelerations(s, 0, 0, NULL)); /* saved states have none */
 }
 
 static uint32_t count_of(pbf_solver *s) {
@@ -268,6 +269,16 @@ static void expect_grid(scene *c) {
   pbf_destroy(s);
 }
 
+/* By where they are. */
+static void accelerate(pbf_solver *s) {
+  const uint32_t count = count_of(s);
+  double *a = calloc(3 * (size_t)count, sizeof *a);
+  if (!EXPECT(a)) return;
+  EXPECT_OK(pbf_get_positions(s, 0, count, a));
+  EXPECT_OK(pbf_set_accelerations(s, 0, count, a));
+  free(a);
+}
+
 /* Of a grid that is asked for, one that a plate tears, and one that deep water has by default. */
 static void check_grids(uint32_t dimension, uint32_t precision) {
   scene c = scene_of(dimension, precision);
@@ -276,7 +287,8 @@ static void check_grids(uint32_t dimension, uint32_t precision) {
   expect_grid(&c);
   check("a pressure grid", &c);
   c.set_up = set_plate;
-  check("a pressure grid that a plate divides", &c);
+  c.change = accelerate;
+  check("a pressure grid that a plate divides, and accelerations", &c);
   c = scene_of(dimension, precision);
   c.params.pressure_grid = -1;
   c.params.shear_stress_correction = -1;

@@ -33,13 +33,17 @@ static void set_plate(const scene *c, pbf_solver *s) {
   EXPECT_OK(pbf_set_colliders(s, SCENE_COLLIDERS, list));
 }
 
-static void add_more(const scene *c, pbf_solver *s) { scene_fill(c, s, 300, 0.03); }
+static void add_more(const scene *c, pbf_solver *s) {
+  scene_fill(c, s, 300, 0.03);
+  scene_accelerate(c, s);
+}
 
 static void check_grid(uint32_t dimension, uint32_t precision) {
   scene c = scene_plain(dimension, precision);
   c.params.pressure_grid = 2;
   c.params.drag = 0.5; /* which the grid carries */
   c.params.drag_velocity[0] = 2;
+  c.change = scene_accelerate;
   expect_stage(&c, "pressure grid", 1);
   scene_check("a pressure grid", &c);
   c.set_up = set_plate;

@@ -25,18 +25,6 @@ static void set_pools(pbf_solver *s) {
   EXPECT_OK(pbf_set_reservoirs(s, 1, &pool));
 }
 
-/* Every other particle of the first half, by where it is. */
-static void accelerate(const scene *c, pbf_solver *s) {
-  const uint32_t d = c->dimension, count = c->count / 2;
-  void *a = calloc((size_t)count * d, c->precision);
-  EXPECT(a);
-  EXPECT_OK(pbf_get_positions(s, 0, count, a));
-  for (uint32_t i = 1; i < count; i += 2)
-    memset((char *)a + i * d * c->precision, 0, d * c->precision);
-  EXPECT_OK(pbf_set_accelerations(s, 0, count, a));
-  free(a);
-}
-
 /* Particles come and go between steps, and in them. */
 static void come_and_go(const scene *c, pbf_solver *s) {
   uint32_t ids[40];
@@ -129,7 +117,7 @@ static void check_accelerated(uint32_t dimension, uint32_t precision) {
   scene_run_alone(&c);
   const uint64_t without = c.hash;
   scene_free(&c);
-  c.change = accelerate;
+  c.change = scene_accelerate;
   scene_check("accelerations", &c);
   assert_true(c.hash != without);
 }

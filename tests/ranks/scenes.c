@@ -48,6 +48,17 @@ void scene_colliders(pbf_collider list[SCENE_COLLIDERS]) {
   list[1].adhesion = 0.7; /* where there is a tension */
 }
 
+void scene_accelerate(const scene *c, pbf_solver *s) {
+  const uint32_t d = c->dimension, count = c->count / 2;
+  void *a = calloc((size_t)count * d, c->precision);
+  EXPECT(a);
+  EXPECT_OK(pbf_get_positions(s, 0, count, a));
+  for (uint32_t i = 1; i < count; i += 2)
+    memset((char *)a + i * d * c->precision, 0, d * c->precision);
+  EXPECT_OK(pbf_set_accelerations(s, 0, count, a));
+  free(a);
+}
+
 static void ask(pbf_solver *s, double asked[4]) {
   const double x[3] = {0.35, 0.3, 0.35};
   double v[3];

@@ -37,6 +37,9 @@ void scene_fill(const scene *c, pbf_solver *s, uint32_t count, double shift);
 /* A sphere on its way, and a box that turns, to change and to set. */
 void scene_colliders(pbf_collider list[SCENE_COLLIDERS]);
 
+/* Every other particle of the first half gets one, by where it is. */
+void scene_accelerate(const scene *c, pbf_solver *s);
+
 /* Runs it by one solver, and keeps what that gives, which is to be freed. */
 void scene_run_alone(scene *c);
 void scene_free(scene *c);

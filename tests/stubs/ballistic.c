@@ -41,7 +41,8 @@ struct pbf_backend_solver {
   uint32_t *ids;
   unsigned char *positions;
   unsigned char *velocities;
-  uint32_t puts_off, noted; /* steps may wait; those that do */
+  unsigned char *accelerations; /* null: there are none */
+  uint32_t puts_off, noted;     /* steps may wait; those that do */
 };
 
 static pbf_status fail(pbf_status status, const char *sentence) {
@@ -101,6 +102,7 @@ static void destroy(pbf_backend_solver *s) {
   give(&allocator, s->ids, id_bytes(s));
   give(&allocator, s->positions, field_bytes(s));
   give(&allocator, s->velocities, field_bytes(s));
+  give(&allocator, s->accelerations, field_bytes(s));
   give(&allocator, s, sizeof *s);
 }
 
@@ -157,7 +159,8 @@ static void fall(pbf_backend_solver *s) {
   double dt = s->params.time_step;
   for (uint32_t row = 0; row < s->count; ++row) {
     for (uint32_t axis = 0; axis < s->desc.dimension; ++axis) {
-      double v = get(s, s->velocities, row, axis) + dt * s->params.gravity[axis];
+      double a = s->accelerations ? get(s, s->accelerations, row, axis) : 0;
+      double v = get(s, s->velocities, row, axis) + dt * (a + s->params.gravity[axis]);
       put(s, s->velocities, row, axis, v);
       put(s, s->positions, row, axis, get(s, s->positions, row, axis) + dt * v);
     }
@@ -239,7 +242,23 @@ static pbf_status add_particles(pbf_backend_solver *s, const pbf_particles *part
   memset(s->velocities + s->count * row_bytes(s), 0, bytes);
   if (particles->velocities)
     memcpy(s->velocities + s->count * row_bytes(s), particles->velocities, bytes);
+  if (s->accelerations) memset(s->accelerations + s->count * row_bytes(s), 0, bytes);
   s->count += particles->count;
+  return PBF_OK;
+}
+
+static pbf_status set_accelerations(pbf_backend_solver *s, uint32_t on) {
+  pbf_status status = ordered_failure();
+  if (status != PBF_OK) return status;
+  settle(s);
+  if (!on) {
+    give(&s->desc.allocator, s->accelerations, field_bytes(s));
+    s->accelerations = NULL;
+    return PBF_OK;
+  }
+  s->accelerations = take(&s->desc.allocator, field_bytes(s));
+  if (!s->accelerations) return fail(PBF_ERROR_OUT_OF_MEMORY, "no memory for accelerations");
+  memset(s->accelerations, 0, field_bytes(s));
   return PBF_OK;
 }
 
@@ -247,6 +266,9 @@ static void move_row(pbf_backend_solver *s, uint32_t to, uint32_t from) {
   s->ids[to] = s->ids[from];
   memmove(s->positions + to * row_bytes(s), s->positions + from * row_bytes(s), row_bytes(s));
   memmove(s->velocities + to * row_bytes(s), s->velocities + from * row_bytes(s), row_bytes(s));
+  if (s->accelerations)
+    memmove(s->accelerations + to * row_bytes(s), s->accelerations + from * row_bytes(s),
+            row_bytes(s));
 }
 
 static pbf_status remove_particles(pbf_backend_solver *s, uint32_t count, const uint32_t *ids) {
@@ -272,6 +294,7 @@ static pbf_status remove_all(pbf_backend_solver *s) {
 }
 
 static unsigned char *field_of(const pbf_backend_solver *s, uint32_t field) {
+  if (field == PBF_BACKEND_FIELD_ACCELERATION) return s->accelerations;
   return field == PBF_FIELD_POSITION ? s->positions : s->velocities;
 }
 
@@ -392,6 +415,7 @@ static pbf_status get_plan(pbf_backend_solver *s, pbf_plan *plan) {
   add_array(plan, s, "ids", id_bytes(s));
   add_array(plan, s, "positions", field_bytes(s));
   add_array(plan, s, "velocities", field_bytes(s));
+  if (s->accelerations) add_array(plan, s, "accelerations", field_bytes(s));
   if (stub_control.lie == BALLISTIC_STAGE_COUNT) plan->stage_count = PBF_MAX_STAGES + 1;
   if (stub_control.lie == BALLISTIC_ARRAY_COUNT) plan->array_count = PBF_MAX_ARRAYS + 1;
   if (stub_control.lie == BALLISTIC_ENDLESS_TEXT) memset(plan->variant, 'x', sizeof plan->variant);
@@ -430,6 +454,7 @@ static const pbf_backend_api table = {
     .take_array = take_array,
     .release_array = release_array,
     .read_array = read_array,
+    .set_accelerations = set_accelerations,
 };
 
 EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_answer *answer);

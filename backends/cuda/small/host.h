@@ -29,8 +29,8 @@ static inline bool small_wanted(const pbf_params *params, const pbf_schedule &no
     for (pbf_stage stage : {PBF_STAGE_DEVIATOR, PBF_STAGE_SHEAR_PUSH, PBF_STAGE_SHEAR_STRESS})
       has.runs[stage] = 0;
   return sizeof(pbf_real) == sizeof(float) && !params->periodic && has_only(has, SMALL_STAGES) &&
-         !has.checks_convergence && !has.phases && !pbf_may_have_ghosts(params) &&
-         params->iterations <= SMALL_ITERATIONS;
+         !has.checks_convergence && !has.phases && !has.accelerations &&
+         !pbf_may_have_ghosts(params) && params->iterations <= SMALL_ITERATIONS;
 }
 
 static inline double small_reach(const pbf_params *params) { /* in spacings */

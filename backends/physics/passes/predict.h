@@ -58,6 +58,11 @@ static inline pbf_forces pbf_forces_of(const pbf_params *params, double time) {
   return f;
 }
 
+/* The velocity of a particle with an acceleration of its own, which acts before those of all. */
+PBF_FN pbf_vec pbf_add_acceleration(const pbf_forces *f, pbf_vec v, pbf_vec acceleration) {
+  return pbf_add_scaled(v, f->time_step, acceleration);
+}
+
 /* Line 2: the velocity that the forces leave a particle at x. */
 PBF_FN pbf_vec pbf_apply_forces(const pbf_forces *f, pbf_vec x, pbf_vec v) {
   pbf_vec acceleration = f->gravity;

@@ -19,8 +19,8 @@
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
  *
- * Drag is a force, too, which goes by the fluid's velocity: what it has added to a cell's is part
- * of w_e there (cell_drag.h).
+ * Forces that differ from particle to particle are part of w_e, too: accelerations of their own,
+ * and drag, which goes by the fluid's velocity (cell_forces.h).
  *
  * A thin solid divides cells into compartments (compartments.h), and what is said here of cells is
  * then true of each of these, and of each copy of a node (topology.h).
@@ -57,7 +57,7 @@ typedef struct pbf_pressure_grid {
   double spacing;               /* of particles */
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
-  double move;                  /* at a velocity of 1 */
+  double move, accelerated;     /* at a velocity and by an acceleration of 1 */
   double drag_move[PBF_DIM];    /* at the velocity that drag pulls to */
   double drag;                  /* what drag has added, of the difference to it that it leaves */
   double error;                 /* pbf_depth_error of a head of 1 */
@@ -157,6 +157,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pbf_pow(pbf_derive_spacing(params), PBF_DIM);
   c.move = params->time_step / width;
+  c.accelerated = dt2 / width;
   c.drag = pbf_pressure_grid_drag(params);
   c.nodes = 1;
   c.axis = 0;
