@@ -252,27 +252,32 @@ static void a_load_that_fails_leaves_them(void **state) {
 
 /* ---- Sleep ---------------------------------------------------------------------------------- */
 
-/* What lies still falls asleep with one, and another one wakes it. */
+/* What one presses to the floor falls asleep. Another one that lifts it wakes it, and so does what
+ * lifts it once that is taken away. */
 static void check_sleep(uint32_t dimension, uint32_t precision) {
-  char a[2 * 3 * sizeof(double)] = {0};
-  pbf_params params = still_params();
-  params.domain_min[1] = 0;
-  params.sleep_speed = 0.005;
-  params.sleep_time = 0.1;
-  pbf_solver *solver = apart(dimension, precision, 1);
-  assert_ok(pbf_set_params(solver, &params));
-  put_rows(a, dimension, precision, 0, (const double[]){0, -1, 0});
-  assert_ok(pbf_set_accelerations(solver, 0, 1, a));
-  assert_ok(pbf_step(solver, 100));
-  pbf_stats stats = {.struct_size = sizeof stats};
-  assert_ok(pbf_get_stats(solver, &stats));
-  assert_int_equal(stats.asleep, 1);
-  put_rows(a, dimension, precision, 0, (const double[]){0, 1, 0});
-  assert_ok(pbf_set_accelerations(solver, 0, 1, a));
-  assert_ok(pbf_step(solver, 10));
-  const double speed = speed_along_y(solver, dimension, precision, 0);
-  assert_true(speed > 0.085 && speed < 0.101); /* less what the wall takes as it leaves */
-  pbf_destroy(solver);
+  for (int taken = 0; taken < 2; ++taken) {
+    char a[2 * 3 * sizeof(double)] = {0};
+    pbf_params params = still_params();
+    pbf_stats stats = {.struct_size = sizeof stats};
+    params.domain_min[1] = 0;
+    params.gravity[1] = 1;
+    params.sleep_speed = 0.005;
+    params.sleep_time = 0.1;
+    pbf_solver *solver = apart(dimension, precision, 1);
+    assert_ok(pbf_set_params(solver, &params));
+    put_rows(a, dimension, precision, 0, (const double[]){0, -2, 0});
+    assert_ok(pbf_set_accelerations(solver, 0, 1, a));
+    assert_ok(pbf_step(solver, 100));
+    assert_ok(pbf_get_stats(solver, &stats));
+    assert_int_equal(stats.asleep, 1);
+    put_rows(a, dimension, precision, 0, (const double[]){0, 0, 0});
+    assert_ok(taken ? pbf_set_accelerations(solver, 0, 0, NULL)
+                    : pbf_set_accelerations(solver, 0, 1, a));
+    assert_ok(pbf_step(solver, 10));
+    const double speed = speed_along_y(solver, dimension, precision, 0);
+    assert_true(speed > 0.085 && speed < 0.101); /* less what the wall takes as it leaves */
+    pbf_destroy(solver);
+  }
 }
 
 static void they_wake(void **state) {
