@@ -1,5 +1,7 @@
 /* Accelerations that the caller gives to particles: one that all have is gravity, a central field
  * keeps a particle on its way around, and each stays with its particle. */
+#include <pbf/phases.h>
+
 #include "support.h"
 
 #include <math.h>
@@ -224,6 +226,17 @@ static void check_input(uint32_t dimension, uint32_t precision) {
   pbf_destroy(solver);
 }
 
+/* With another fluid, for which a backend wants memory once it has the state's particles. */
+static void *saved_with_phases(pbf_solver *solver, uint64_t *bytes) {
+  pbf_phase phases[2];
+  for (int k = 0; k < 2; ++k) assert_ok(pbf_phase_init(&phases[k], sizeof phases[k]));
+  phases[1].rest_density = 0.5;
+  assert_ok(pbf_set_phases(solver, 2, phases));
+  void *saved = test_save(solver, bytes);
+  assert_ok(pbf_set_phases(solver, 0, NULL));
+  return saved;
+}
+
 /* A load for which memory runs out leaves them. */
 static void check_failing_load(uint32_t dimension, uint32_t precision) {
   char a[2 * 3 * sizeof(double)] = {0};
@@ -231,7 +244,7 @@ static void check_failing_load(uint32_t dimension, uint32_t precision) {
   put_rows(a, dimension, precision, 1, (const double[]){0, 1, 0});
   for (uint64_t n = 1, failed = 1; failed; ++n) {
     pbf_solver *solver = apart(dimension, precision, 2);
-    void *saved = test_save(solver, &bytes);
+    void *saved = saved_with_phases(solver, &bytes);
     assert_ok(pbf_set_accelerations(solver, 0, 2, a));
     test_count.failing_call = test_count.calls + n;
     failed = pbf_load(solver, saved, bytes) != PBF_OK;
