@@ -146,21 +146,15 @@ static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values 
   return bounds_between(lower, upper, pbf_real_sqrt(way2));
 }
 
-/* pbf_boundary_at of those surfaces alone that are near the particle itself, not only near its
- * group: what others in the group are near must not show in its density. 0: there are none. Walls
- * at least contribution_reach away contribute nothing, and are not asked then. */
+/* pbf_boundary_at a particle beside some surfaces; 0: none of them is near it. Walls at least
+ * contribution_reach away contribute nothing, and are not asked then. */
 static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c,
                                                           const pbf_obstacles *near, pbf_vec x,
                                                           pbf_real to_wall,
                                                           pbf_boundary *boundary) {
   int met = 0;
-  pbf_vec normal;
-  const auto is_near = [&](const pbf_surface &s) {
-    if (!pbf_may_be_within(&s, x, contribution_reach(c))) return false;
-    if (pbf_surface_is_field(&s) && s.sign > 0) return true; /* as others will ask anew */
-    return !(pbf_surface_distance(&s, x, &normal) > contribution_reach(c));
-  };
-  for (int k = 0; k < near->count && !met; ++k) met = is_near(near->surfaces[k]);
+  for (int k = 0; k < near->count && !met; ++k)
+    met = pbf_may_be_within(&near->surfaces[k], x, contribution_reach(c));
   if (!met) return 0;
   *boundary = (pbf_boundary){0, 0, 0, {{0}}, {{0}}};
   if (to_wall < contribution_reach(c)) *boundary = pbf_boundary_of_domain(c, &near->domain, x);

@@ -55,11 +55,11 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
       pbf_meet_field(c, s, solid, x, reach, each, of_fields);
     return;
   }
-  const pbf_nearest_part nearest = pbf_surface_nearest_part(s, x);
   const int planes = pbf_surface_planes(s);
   for (int plane = 0; plane < planes; ++plane) {
     pbf_vec normal;
-    const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal);
+    pbf_nearest_part nearest;
+    const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal, &nearest);
     if (!(distance < reach)) continue;
     faces->edges += nearest == PBF_NEAREST_EDGE;
     if (nearest == PBF_NEAREST_EDGE) continue;
@@ -77,10 +77,10 @@ PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, 
                            pbf_real reach, const pbf_near_faces *faces,
                            const pbf_field_planes *planes, Each each, Visit visit) {
   if (pbf_surface_is_beyond(s, x, reach) || pbf_surface_is_field(s)) return;
-  if (pbf_surface_nearest_part(s, x) != PBF_NEAREST_EDGE) return;
   pbf_facet plane;
-  plane.distance = pbf_surface_distance(s, x, &plane.normal);
-  if (!(plane.distance < reach)) return;
+  pbf_nearest_part nearest;
+  plane.distance = pbf_surface_nearest(s, x, &plane.normal, &nearest);
+  if (nearest != PBF_NEAREST_EDGE || !(plane.distance < reach)) return;
   pbf_real part = pbf_part_before_faces(c, faces, plane.distance, plane.normal);
   if (planes->fields > 0 && part > 0)
     part = pbf_real_min(part, pbf_part_beside_others(s, solid, x, reach, each, &plane));

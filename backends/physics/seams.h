@@ -62,9 +62,12 @@ PBF_FN_SELDOM int pbf_find_common_plane(const pbf_seam *seam, pbf_vec x, pbf_fac
  * x is before a face of it, and of fields the nearer one. */
 PBF_FN_SELDOM int pbf_is_other_before(const pbf_seam *seam, pbf_vec x) {
   if (!pbf_surface_is_field(seam->of)) return 1;
-  if (!pbf_surface_is_field(seam->other))
-    return pbf_surface_nearest_part(seam->other, x) != PBF_NEAREST_EDGE;
   pbf_vec normal;
+  if (!pbf_surface_is_field(seam->other)) {
+    pbf_nearest_part part;
+    pbf_surface_nearest(seam->other, x, &normal, &part);
+    return part != PBF_NEAREST_EDGE;
+  }
   const pbf_real distance = pbf_look_at_surface(seam->of, x, &normal);
   const pbf_real other_distance = pbf_look_at_surface(seam->other, x, &normal);
   if (other_distance < distance || distance < other_distance) return other_distance < distance;

@@ -33,25 +33,22 @@ struct box_shape {
   }
 
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
+    int sides;
+    return distance_and_sides(s, p, normal, &sides);
+  }
+
+  /* And how many axes of its frame p is beyond the faces of: from 2 on an edge is nearest. */
+  static PBF_IN pbf_real distance_and_sides(const pbf_surface *s, pbf_vec p, pbf_vec *normal,
+                                            int *sides) {
     pbf_vec local, local_normal;
     for (int k = 0; k < PBF_DIM; ++k) local.c[k] = pbf_dot(p, s->frame[k]);
-    const pbf_real distance = local_distance(local, s->half_extents, &local_normal);
+    const pbf_real distance = local_distance(local, s->half_extents, &local_normal, sides);
     for (int k = 0; k < PBF_DIM; ++k) {
       normal->c[k] = 0;
       for (int row = 0; row < PBF_DIM; ++row)
         normal->c[k] += s->frame[row].c[k] * local_normal.c[row];
     }
     return distance;
-  }
-
-  /* How many axes of its frame a point is beyond the faces of: from 2 on an edge is nearest. */
-  static PBF_IN int sides_beyond(const pbf_surface *s, pbf_vec p) {
-    int sides = 0;
-    for (int k = 0; k < PBF_DIM; ++k) {
-      const pbf_real along = pbf_dot(p, s->frame[k]);
-      sides += along > s->half_extents.c[k] || along < -s->half_extents.c[k];
-    }
-    return sides;
   }
 
   /* What of the way is between each two faces, one after the other. */
@@ -80,14 +77,17 @@ struct box_shape {
 
  private:
   /* In its own frame: outside, from the nearest point of it; inside, from its nearest face. */
-  static PBF_IN pbf_real local_distance(pbf_vec p, pbf_vec half, pbf_vec *normal) {
+  static PBF_IN pbf_real local_distance(pbf_vec p, pbf_vec half, pbf_vec *normal, int *sides) {
     pbf_real inside = 0, outside2 = 0;
     int face = 0;
+    *sides = 0;
     pbf_vec out;
     for (int k = 0; k < PBF_DIM; ++k) {
-      pbf_real d = (p.c[k] < 0 ? -p.c[k] : p.c[k]) - half.c[k];
-      if (k == 0 || d > inside) inside = d, face = k;
-      out.c[k] = d > 0 ? (p.c[k] < 0 ? -d : d) : 0;
+      const pbf_real d = pbf_real_max(p.c[k], -p.c[k]) - half.c[k], beyond = pbf_real_max(d, 0);
+      face = k == 0 || d > inside ? k : face; /* no branches: they would be hard to predict */
+      inside = k == 0 ? d : pbf_real_max(d, inside);
+      out.c[k] = p.c[k] < 0 ? -beyond : beyond;
+      *sides += d > 0;
       outside2 += out.c[k] * out.c[k];
     }
     if (outside2 > 0) {

@@ -185,18 +185,6 @@ PBF_FN pbf_vec pbf_surface_carries(const pbf_surface *s, pbf_vec x) {
 
 /* ---- How far it is ------------------------------------------------------------------------- */
 
-/* Distance of x from the surface, negative where the fluid must not be; *normal points to the
- * fluid.
- */
-template <class Surface>
-PBF_FN_APART pbf_real pbf_surface_distance(const Surface *s, pbf_vec x, pbf_vec *normal) {
-  const pbf_vec p = pbf_sub(x, s->center);
-  pbf_vec n;
-  const pbf_real distance = ask_shape(s, [&](auto shape) { return shape.distance(s, p, &n); });
-  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
-  return s->sign * distance;
-}
-
 /* What of a surface is nearest to a place: a flat face, an edge or a corner between some, or what
  * is curved. Of fields nothing is known. */
 typedef enum pbf_nearest_part {
@@ -205,12 +193,32 @@ typedef enum pbf_nearest_part {
   PBF_NEAREST_CURVED
 } pbf_nearest_part;
 
+/* Distance of x from the surface, negative where the fluid must not be; *normal points to the
+ * fluid, and *part is what of it is nearest. */
 template <class Surface>
-PBF_FN pbf_nearest_part pbf_surface_nearest_part(const Surface *s, pbf_vec x) {
-  if (s->shape == PBF_COLLIDER_PLANE) return PBF_NEAREST_FACE;
-  if (s->shape != PBF_COLLIDER_BOX) return PBF_NEAREST_CURVED;
+PBF_FN_APART pbf_real pbf_surface_nearest(const Surface *s, pbf_vec x, pbf_vec *normal,
+                                          pbf_nearest_part *part) {
   const pbf_vec p = pbf_sub(x, s->center);
-  return s->sign > 0 && box_shape::sides_beyond(s, p) > 1 ? PBF_NEAREST_EDGE : PBF_NEAREST_FACE;
+  pbf_vec n;
+  int sides = 0;
+  const pbf_real distance = ask_shape(s, [&](auto shape) {
+    if constexpr ((int)decltype(shape)::ID == PBF_COLLIDER_BOX)
+      return shape.distance_and_sides(s, p, &n, &sides);
+    else
+      return shape.distance(s, p, &n);
+  });
+  const bool is_flat = s->shape == PBF_COLLIDER_PLANE || s->shape == PBF_COLLIDER_BOX;
+  *part = !is_flat                   ? PBF_NEAREST_CURVED
+          : s->sign > 0 && sides > 1 ? PBF_NEAREST_EDGE
+                                     : PBF_NEAREST_FACE;
+  for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = s->sign * n.c[k];
+  return s->sign * distance;
+}
+
+template <class Surface>
+PBF_FN pbf_real pbf_surface_distance(const Surface *s, pbf_vec x, pbf_vec *normal) {
+  pbf_nearest_part part;
+  return pbf_surface_nearest(s, x, normal, &part);
 }
 
 /* Whether x is farther than `reach` from anything of it, cheaply. */
@@ -258,8 +266,9 @@ PBF_FN int pbf_surface_planes(const Surface *s) {
 
 template <class Surface>
 PBF_FN pbf_real pbf_surface_plane_distance(const Surface *s, int plane, int planes, pbf_vec x,
-                                           pbf_vec *normal) {
-  if (planes == 1) return pbf_surface_distance(s, x, normal);
+                                           pbf_vec *normal, pbf_nearest_part *part) {
+  if (planes == 1) return pbf_surface_nearest(s, x, normal, part);
+  *part = PBF_NEAREST_FACE;
   const pbf_vec p = pbf_sub(x, s->center);
   return ask_shape(s, [&](auto shape) -> pbf_real {
     if constexpr (decltype(shape)::FACES > 0)
