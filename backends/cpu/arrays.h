@@ -41,14 +41,23 @@ static uint32_t *take_indices(solver *s, const char *name, uint64_t count) {
   return take_memory(&s->memory, name, count, sizeof(uint32_t));
 }
 
-/* 0 when one is lacking. What is packed before the first particle's is the sentinel's. */
-static int take_packed(solver *s) {
-  for (int k = 0; k < 2 && s->kernels->pack; ++k) {
-    pbf_real *base = take_memory(&s->memory, k ? "quads of lambda" : "quads",
-                                 4 * padded(s->local_capacity), sizeof *base);
-    if (!base) return 0;
-    s->packed[k] = base + 4 * FIELD_FRONT;
+/* 0 when one is lacking. What is packed before the first particle's is the sentinel's. The search
+ * is the last to ask where cells end: then lambda is packed there. */
+static int take_packed_and_cells(solver *s) {
+  const uint64_t quads = 4 * padded(s->local_capacity);
+  const uint64_t ends = s->ranks.count ? 1 : cell_limit(s->capacity) + 2; /* ranks: halo.h */
+  if (!s->kernels->pack) {
+    s->cell_end = take_indices(s, "cell end", ends);
+    return s->cell_end != NULL;
   }
+  for (int k = 0; k < 2; ++k) {
+    const uint64_t front = 4 * FIELD_FRONT, least = k ? front + ends : 0;
+    pbf_real *base = take_memory(&s->memory, k ? "quads of lambda, or cell end" : "quads",
+                                 quads > least ? quads : least, sizeof *base);
+    if (!base) return 0;
+    s->packed[k] = base + front;
+  }
+  s->cell_end = reinterpret_cast<uint32_t *>(s->packed[1]);
   return 1;
 }
 
@@ -83,13 +92,12 @@ static int take_arrays(solver *s) {
   b->ids = take_indices(s, "id", n);
   b->sorted_ids = take_indices(s, "sorted id", n);
   s->cells = take_indices(s, "cell", n);
-  s->sorted_cells = take_indices(s, "sorted cell", n);
+  s->sorted_cells = reinterpret_cast<uint32_t *>(take_reals(s, "sorted cell, or lambda added"));
   s->order = take_indices(s, "order", n);
-  s->cell_end = take_indices(s, "cell end", s->ranks.count ? 1 : cell_limit(s->capacity) + 1);
   s->chunk_low = take_indices(s, "lowest cell of a chunk", chunks);
   s->chunk_high = take_indices(s, "highest cell of a chunk", chunks);
   s->groups = take_memory(&s->memory, "group", n / s->kernels->width, sizeof *s->groups);
-  return s->memory.count == 16 && take_packed(s) && take_tasks(s);
+  return s->memory.count == 15 && take_packed_and_cells(s) && take_tasks(s);
 }
 
 typedef struct clearing {
@@ -199,6 +207,7 @@ static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &pa
 #define PBF_CPU(type, team_thread, extent) &s->team_thread, extent(s)
 #define PBF_CPU_BUFFER(type, team_thread, extent) &s->buffers.team_thread, extent(s)
 #include "physics/arrays.def"
+  s->added = has.accelerated ? reinterpret_cast<pbf_real *>(s->sorted_cells) : NULL;
   return true;
 }
 

@@ -137,7 +137,7 @@ static pbf_status create(const pbf_backend_desc *desc, const pbf_params *params,
   }
   teams->run(&s->tasks, s->team, s->threads, clear_arrays, s);
   if (has_ranks(s)) begin_portions(s);
-  ++s->cell_end; /* cell_end[-1], the begin of cell 0, stays 0 */
+  ++s->cell_end; /* cell_end[-1] is the begin of cell 0 */
   pbf_status status = set_params(s, params);
   if (status != PBF_OK) {
     destroy(s);
@@ -196,7 +196,7 @@ static pbf_status read_own(solver *s, uint32_t which, const pbf_rows *rows, void
   } else if (which == PBF_BACKEND_FIELD_OVERLAP) {
     read_reals(s, s->buffers.overlap, rows, (pbf_real *)out);
   } else if (which == PBF_BACKEND_FIELD_LAST_PRESSURE) {
-    read_reals(s, s->buffers.last_pressure, rows, (pbf_real *)out);
+    read_reals(s, s->last_pressure, rows, (pbf_real *)out);
   } else if (which == PBF_FIELD_DENSITY) {
     if (!(PBF_BUILT & PBF_FEATURE_STATS)) return pbf_refuse_without(s->host, PBF_FEATURE_STATS);
     if (!diagnose(s, diagnose_densities)) return fail_to_find_neighbors(s);
@@ -245,7 +245,7 @@ static pbf_status write_field(solver *s, uint32_t which, const pbf_rows *rows, c
     return PBF_OK;
   }
   if (which == PBF_BACKEND_FIELD_LAST_PRESSURE) {
-    write_reals(s, s->buffers.last_pressure, rows, (const pbf_real *)in);
+    write_reals(s, s->last_pressure, rows, (const pbf_real *)in);
     return PBF_OK;
   }
   wake_all(s);

@@ -22,15 +22,15 @@ static void sort_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range r = has_ranks(w->s) ? held_places(w->s) : task_particles(w, task);
   const pbf_real *lambda = has_ranks(w->s) ? w->sort_payload->c[0] : w->s->lambda;
-  gather_reals(w->s->order, r, lambda, sorted_lambda(w->s));
-  fill_packed(w->s, packed_positions(w->s), &w->b.sorted_x(), sorted_lambda(w->s), r);
+  gather_reals(w->s->order, r, lambda, w->b.sorted_lambda());
+  fill_packed(w->s, packed_positions(w->s), &w->b.sorted_x(), w->b.sorted_lambda(), r);
 }
 
 static void fit_lambda_task(void *context, uint32_t task) {
   worker *w = static_cast<worker *>(context);
   range r = task_groups(w, task);
   pair_pass pairs = pairs_at(w, w->b.sorted_x(), packed_positions(w->s));
-  w->s->kernels->fit(&pairs, sorted_lambda(w->s), w->b.fitted_lambda(), r.first, r.last);
+  w->s->kernels->fit(&pairs, w->b.sorted_lambda(), w->b.fitted_lambda(), r.first, r.last);
 }
 
 /* On ranks `payload` goes along, too. */

@@ -103,7 +103,8 @@ typedef struct pair_pass {
   int64_t *error_units;              /* lambda adds the density error to it; null: none is wanted */
   const pbf_real *activity;          /* null: nothing sleeps */
   const pbf_real *mobility;          /* null: phases do not differ; lambda alone asks for it, … */
-  const pbf_real *last_pressure;     /* … and for this; null: nothing is smoothed */
+  const pbf_real *last_pressure;     /* … and for this, by order; null: nothing is smoothed */
+  const uint32_t *order;
   clear_particles clear;
   boundary_cache boundary; /* lambda leaves it for move, at the same places */
 } pair_pass;

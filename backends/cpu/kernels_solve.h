@@ -26,8 +26,8 @@ PBF_FN uint32_t lanes_in_group(const lists *n, uint32_t g) {
 /* Of one group, in the last iteration. */
 static __attribute__((noinline)) void smooth_group(const pair_pass *p, pbf_real *lambda,
                                                    pbf_real *added, uint32_t g) {
-  for (uint32_t i = g * WIDTH; i < (g + 1) * WIDTH; ++i)
-    pbf_smooth_pressure(p->constants, p->last_pressure[i], &lambda[i], &added[i]);
+  for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
+    pbf_smooth_pressure(p->constants, p->last_pressure[p->order[i]], &lambda[i], &added[i]);
 }
 
 PBF_FN bool smooths(const pair_pass *p) {

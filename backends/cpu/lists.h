@@ -12,11 +12,11 @@ static void free_lists(solver *s) {
   s->slabs = 0;
 }
 
-/* Makes room for what the last search wanted, and a quarter more: at the end of each slab there is
+/* Makes room for what the last search wanted, and an eighth more: at the end of each slab there is
  * less left than the largest group takes, and each thread has one slab that it does not fill. 0
  * when there is no memory; then there is none at all. */
 static int grow_lists(solver *s) {
-  uint64_t units = s->wanted.units + s->wanted.units / 4 + 4, parts = 16 * (uint64_t)s->threads;
+  uint64_t units = s->wanted.units + s->wanted.units / 8 + 4, parts = 16 * (uint64_t)s->threads;
   uint64_t min_units = 8 * (uint64_t)s->wanted.largest, each = units / parts + 1;
   s->slab_units = s->threads == 1 ? units : each < min_units ? min_units : each;
   uint64_t slabs =
@@ -79,7 +79,8 @@ static pair_pass pairs_at(const worker *w, field x, const pbf_real *quads) {
       .contributing = s->schedule.wall_density ? &w->obstacles : NULL,
       .residual_density = s->residual_density ? s->residual_density : w->b.sorted_overlap,
       .overlap = w->b.sorted_overlap,
-      .activity = sleep_is_on(w) ? w->activity : NULL};
+      .activity = sleep_is_on(w) ? w->activity : NULL,
+      .order = s->order};
 }
 
 static void list_neighbors(worker *w, range groups, list_size *all) {
@@ -101,8 +102,8 @@ static void list_neighbors(worker *w, range groups, list_size *all) {
 static void find_sleeping_boundary(const worker *w, range groups) {
   const solver *s = w->s;
   pair_pass pairs = pairs_at(w, *w->sorted_positions, packed_positions(s));
-  s->kernels->wake_neighbors(&pairs, w->activity, s->has_sleepers, awakened_in_search(s),
-                             groups.first, groups.last);
+  s->kernels->wake_neighbors(&pairs, w->activity, s->has_sleepers, awakened(s), groups.first,
+                             groups.last);
 }
 
 static void search_task(void *context, uint32_t task) {
@@ -126,7 +127,7 @@ static void sleeping_boundary_task(void *context, uint32_t task) {
   uint64_t end = (uint64_t)r.last * s->kernels->width;
   if (!s->asleep) return;
   for (uint32_t i = r.first * s->kernels->width; i < end && i < own_places(s).last; ++i)
-    if (awakened_in_search(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
+    if (awakened(s)[i] == AWAKENED && pbf_is_asleep(w->activity[i]))
       w->activity[i] = pbf_sleeping_boundary();
   for (uint32_t g = r.first; g < r.last; ++g)
     if (is_group_below(w, g, 0) && !is_group_below(w, g, pbf_sleeping_boundary()))
@@ -183,8 +184,7 @@ static void end_search(void *context) {
 static int find_neighbors(worker *w, completion_function last) {
   w->arena = (list_arena){.more = next_slab, .context = w};
   parallel_for(w->self, search_task_count(w), search_task, sleep_is_on(w) ? NULL : last, w);
-  if (has_ranks(w->s) && sleep_is_on(w) && w->s->asleep)
-    exchange_marks(w->s, awakened_in_search(w->s));
+  if (has_ranks(w->s) && sleep_is_on(w) && w->s->asleep) exchange_marks(w->s, awakened(w->s));
   if (sleep_is_on(w)) parallel_for(w->self, search_task_count(w), sleeping_boundary_task, last, w);
   return !(atomic_load_explicit(&w->s->stopped, memory_order_acquire) &&
            w->s->stopped_at == w->step);

@@ -15,8 +15,7 @@ static void append(solver *s, const pbf_particles *p) {
     }
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
   memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
-  if (s->buffers.last_pressure)
-    memset(s->buffers.last_pressure + s->count, 0, p->count * sizeof(pbf_real));
+  if (s->last_pressure) memset(s->last_pressure + s->count, 0, p->count * sizeof(pbf_real));
   if (s->buffers.overlap) memset(s->buffers.overlap + s->count, 0, p->count * sizeof(pbf_real));
   for (int k = 0; k < PBF_DIM && s->buffers.acceleration.c[0]; ++k)
     memset(s->buffers.acceleration.c[k] + s->count, 0, p->count * sizeof(pbf_real));
@@ -36,7 +35,7 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
     if (b->activity) b->activity[kept] = b->activity[i];
-    if (b->last_pressure) b->last_pressure[kept] = b->last_pressure[i];
+    if (s->last_pressure) s->last_pressure[kept] = s->last_pressure[i];
     if (b->overlap) b->overlap[kept] = b->overlap[i];
     if (b->acceleration.c[0]) field_set(&b->acceleration, kept, field_at(&b->acceleration, i));
     if (b->phase) b->phase[kept] = b->phase[i];

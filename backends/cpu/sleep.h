@@ -13,7 +13,7 @@ static void activity_task(void *context, uint32_t task) {
   const field &around = w->b.mean_velocity();
   range all = task_sorted(w, task);
   uint32_t near_sleep_count = 0;
-  memset(awakened_at_end(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
+  memset(awakened(s) + all.first, 0, (all.last - all.first) * sizeof(uint32_t));
   smooth_velocities(w, task, 1, around);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
@@ -39,8 +39,7 @@ static void wake_neighbors_task(void *context, uint32_t task) {
   if (atomic_load_explicit(&s->near_sleep_count, memory_order_relaxed) == 0) return;
   for (range g = awake_groups(w, groups.first, groups.last); g.first < g.last;
        g = awake_groups(w, g.last, groups.last))
-    s->kernels->wake_neighbors(&pairs, w->b.wakes(), s->has_sleepers, awakened_at_end(s), g.first,
-                               g.last);
+    s->kernels->wake_neighbors(&pairs, w->b.wakes(), s->has_sleepers, awakened(s), g.first, g.last);
 }
 
 static void update_sleep_task(void *context, uint32_t task) {
@@ -49,7 +48,7 @@ static void update_sleep_task(void *context, uint32_t task) {
   range all = task_sorted(w, task);
   uint32_t sleepers = 0;
   for (uint32_t i = all.first; i < all.last; ++i) {
-    w->activity[i] = pbf_update_sleep(&s->sleep, w->activity[i], awakened_at_end(s)[i] != 0);
+    w->activity[i] = pbf_update_sleep(&s->sleep, w->activity[i], awakened(s)[i] != 0);
     sleepers += (uint32_t)pbf_is_asleep(w->activity[i]);
     if (i % ACTIVITY_CHUNK == 0 || i == all.first) mark_has_sleepers(s, i, 0);
   }
@@ -71,7 +70,7 @@ static void end_settling(void *context) {
 static void note_still(const worker *w, range others) {
   solver *s = w->s;
   for (uint32_t i = others.first; i < others.last; ++i) {
-    awakened_at_end(s)[i] = 0;
+    awakened(s)[i] = 0;
     if (w->activity[i] < s->sleep.still2) mark_has_sleepers(s, i, 1);
   }
 }
@@ -96,7 +95,7 @@ static int update_sleep(worker *w) {
   parallel_for(w->self, pair_task_count(w), activity_task, NULL, w);
   if (has_ranks(w->s)) exchange_still(w);
   parallel_for(w->self, pair_task_count(w), wake_neighbors_task, NULL, w);
-  if (has_ranks(w->s)) exchange_marks(w->s, awakened_at_end(w->s));
+  if (has_ranks(w->s)) exchange_marks(w->s, awakened(w->s));
   parallel_for(w->self, pair_task_count(w), update_sleep_task, end_settling, w);
   stage_end(w, PBF_STAGE_SLEEP);
   return atomic_load_explicit(&w->s->all_asleep, memory_order_acquire) &&

@@ -29,7 +29,7 @@ static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); 
 static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pair_pass pairs = pairs_at(w, x_star(w), packed);
   pairs.mobility = w->s->mobility;
-  if (w->iteration + 1 == w->s->params.iterations) pairs.last_pressure = w->b.sorted_last_pressure;
+  if (w->iteration + 1 == w->s->params.iterations) pairs.last_pressure = last_pressures(w->s);
   if (pairs.contributing && pbf_surface_count(w->obstacles))
     pairs.clear = (clear_particles){w->b.is_clear(), w->iteration == 0, w->b.sorted_predicted};
   pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
@@ -284,9 +284,9 @@ static int has_convergence_check(const solver *s) {
   return (PBF_BUILT & PBF_FEATURE_TOLERANCE) && s->schedule.checks_convergence;
 }
 
-/* Of the step, for the next one. */
+/* Of the step, for the next one: what it has taken over is no longer needed. */
 static void keep_pressure(const worker *w, range r) {
-  pbf_real *kept = w->b.sorted_last_pressure;
+  pbf_real *kept = w->s->last_pressure;
   for (uint32_t i = r.first; i < r.last && kept; ++i)
     kept[i] = pbf_pressure_to_keep(&w->constants, w->s->lambda[i]);
 }

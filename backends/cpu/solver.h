@@ -135,6 +135,7 @@ struct pbf_backend_solver {
 
   struct pressure_grid_solve pressure_grid_solve;
   pbf_real *lambda;               /* of this iteration, or of all of a step: accelerated */
+  pbf_real *added;                /* then what an iteration adds, in sorted_cells; else null */
   pbf_real *packed[2];            /* of what: see packed_positions and those after it */
   uint32_t grid_pressure_pending; /* so many particles, the first, have a lambda without what its
                                      grid added in the last step; positions are those after it */
@@ -159,7 +160,7 @@ struct pbf_backend_solver {
 
   /* The sort by cell and id. */
   uint32_t *cells;        /* of the particles in their present order */
-  uint32_t *sorted_cells; /* of the sorted ones */
+  uint32_t *sorted_cells; /* of the sorted ones, until their neighbours are known */
   uint32_t *order;        /* sorted -> present index */
   uint32_t *cell_end;
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
@@ -238,16 +239,20 @@ static inline pbf_real *scratch_reals(const solver *s) { return s->added ? s->ad
 static inline pbf_real *crowding_of(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *curl_sizes(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *missing_neighbors_of(const solver *s) { return scratch_reals(s); }
-static inline pbf_real *sorted_lambda(const solver *s) { return scratch_reals(s); }
 static inline pbf_real *diagnosed_densities(const solver *s) { return scratch_reals(s); }
 
 /* What the pressure grid makes its sums of, before lambda is known. */
 static inline pbf_real *grid_densities(const solver *s) { return s->lambda; }
 
-/* A number of each particle that the sort no longer needs: AWAKENED once something near it wakes
- * its neighbours, at the end of a step and in the search; neighbours in diagnose. */
-static inline uint32_t *awakened_at_end(const solver *s) { return s->cells; }
-static inline uint32_t *awakened_in_search(const solver *s) { return s->order; }
+/* A number of each particle that the sort no longer needs: AWAKENED, which no cell is, once
+ * something near it wakes its neighbours, in the search and at the end of a step; neighbours in
+ * diagnose. */
+static inline uint32_t *awakened(const solver *s) { return s->cells; }
 static inline uint32_t *neighbor_counts(const solver *s) { return s->cells; }
+
+/* What pressed particles in the last step, by their index before the sort. */
+static inline const pbf_real *last_pressures(const solver *s) {
+  return s->ranks.count ? s->held_last_pressure : s->last_pressure;
+}
 
 #endif

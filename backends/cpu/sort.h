@@ -72,6 +72,7 @@ static void make_grid(void *context) {
                            cell_limit(particles_of_all(w->s)), &periods);
   place_images(w->s, &periods);
   for (int k = 0; k < 2 && w->s->packed[k]; ++k) w->s->packed[k][-4] = w->s->grid.far;
+  if (!has_ranks(w->s)) w->s->cell_end[-1] = 0; /* the begin of cell 0 */
 }
 
 static uint32_t range_tasks(const worker *w) {
@@ -229,8 +230,6 @@ static void sort_range(void *context, uint32_t task) {
     gather_reals(s->order, places, w->activity, w->b.sorted_activity);
     gather_reals(s->order, places, w->sleeping_lambda, w->b.sorted_sleeping_lambda);
   }
-  if (w->sort_last_pressure && w->sort_payload)
-    gather_reals(s->order, places, w->sort_last_pressure, w->b.sorted_last_pressure);
   if (w->sort_overlap && w->sort_payload)
     for (uint32_t i = places.first; i < places.last; ++i)
       w->b.sorted_overlap[i] =
@@ -252,8 +251,8 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
     what[arrays++] = {w->sort_push->c[k], s->held_push.c[k], sizeof(pbf_real)};
   for (int k = 0; k < PBF_DIM && has_accelerations(w); ++k)
     what[arrays++] = {w->b.acceleration.c[k], s->held_acceleration.c[k], sizeof(pbf_real)};
-  if (w->b.last_pressure)
-    what[arrays++] = {w->b.last_pressure, s->held_last_pressure, sizeof(pbf_real)};
+  if (s->last_pressure)
+    what[arrays++] = {s->last_pressure, s->held_last_pressure, sizeof(pbf_real)};
   if (w->b.overlap) what[arrays++] = {w->b.overlap, s->held_overlap, sizeof(pbf_real)};
   if (sleep_is_on(w)) {
     what[arrays++] = {w->activity, s->held_activity, sizeof(pbf_real)};
@@ -265,13 +264,14 @@ static bool hold_to_sort(worker *w, const field *x, const field *to, const field
   w->sort_positions = to;
   w->sort_payload = payload ? payload_to : NULL;
   w->sort_ids = s->ranks.ids;
-  if (w->b.last_pressure) w->sort_last_pressure = s->held_last_pressure;
   if (w->b.overlap) w->sort_overlap = s->held_overlap;
   if (sleep_is_on(w)) w->activity = s->held_activity, w->sleeping_lambda = s->held_sleeping_lambda;
   if (has_accelerations(w)) w->sort_acceleration = &s->held_acceleration;
   if (w->b.phase) w->sort_phase = s->held_phase;
   if (w->sort_push) w->sort_push = &s->held_push;
   parallel_for(w->self, particle_task_count(w), find_cells, NULL, w);
+  /* No sorted place is awakened yet. */
+  memset(s->cells + s->count, 0, s->ranks.pad * sizeof *s->cells);
   return true;
 }
 

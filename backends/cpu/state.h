@@ -70,7 +70,6 @@ struct buffers {
     exchange(&ids, &sorted_ids);
     exchange(&activity, &sorted_activity);
     exchange(&sleeping_lambda, &sorted_sleeping_lambda);
-    exchange(&last_pressure, &sorted_last_pressure);
     exchange(&overlap, &sorted_overlap);
     exchange(&acceleration, &sorted_acceleration);
     exchange(&phase, &sorted_phase);
@@ -92,6 +91,7 @@ struct buffers {
 
   /* Between steps. */
   PBF_IN const field &sorted_x() const { return sorted_predicted; }
+  PBF_IN pbf_real *sorted_lambda() const { return scratch[0].c[1]; }
   PBF_IN pbf_real *fitted_lambda() const { return scratch[0].c[0]; }
 };
 

@@ -31,7 +31,6 @@ static step_outcome step_once(worker *w, double begin, double end, uint64_t nth,
   w->sort_payload = &w->b.predicted_velocity();
   w->sorted_payload = &w->b.sorted_velocity;
   w->sort_ids = w->b.ids;
-  w->sort_last_pressure = w->b.last_pressure;
   w->sort_overlap = w->b.overlap;
   w->sort_acceleration = has_accelerations(w) ? &w->b.acceleration : NULL;
   w->sort_phase = w->b.phase;

@@ -97,7 +97,7 @@ static void keep_own(worker *w) {
   }
   move_down(s->lambda, own, sizeof(pbf_real));
   move_down(w->b.ids, own, sizeof(uint32_t));
-  if (w->b.last_pressure) move_down(w->b.last_pressure, own, sizeof(pbf_real));
+  if (s->last_pressure) move_down(s->last_pressure, own, sizeof(pbf_real));
   if (w->b.overlap) move_down(w->b.overlap, own, sizeof(pbf_real));
   if (w->b.phase) move_down(w->b.phase, own, sizeof(uint8_t));
   if (sleep_is_on(w)) {

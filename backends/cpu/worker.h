@@ -22,7 +22,6 @@ typedef struct worker {
   const field *sort_positions, *sorted_positions; /* of the sort, … */
   const field *sort_payload, *sorted_payload;     /* … and what goes along; null: nothing */
   const uint32_t *sort_ids;                       /* of the particles to be sorted, */
-  const pbf_real *sort_last_pressure;             /* what pressed them last, */
   const pbf_real *sort_overlap;                   /* what is left of their overlap, */
   const field *sort_acceleration;                 /* their accelerations, or null, */
   const uint8_t *sort_phase;                      /* their phases, */
@@ -38,7 +37,6 @@ static inline worker worker_of(solver *s, team_thread *self) {
                   .b = s->buffers,
                   .constants = s->constants,
                   .sort_ids = s->buffers.ids,
-                  .sort_last_pressure = s->buffers.last_pressure,
                   .sort_overlap = s->buffers.overlap,
                   .sort_phase = s->buffers.phase};
 }
