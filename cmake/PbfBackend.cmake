@@ -1,4 +1,4 @@
-set(pbf_build_id "PBF_BUILD_ID=\"${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, ${CMAKE_BUILD_TYPE}\"")
+set(pbf_build_id "PBF_BUILD_ID=\"${PROJECT_VERSION}, ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION}, ${CMAKE_SYSTEM_PROCESSOR}, $<CONFIG>\"")
 
 # pbf_add_backend(<name> <source>...)
 # A backend is a module with hidden visibility and one exported symbol, where libpbf looks for it;
@@ -40,16 +40,15 @@ endmacro()
 function(pbf_add_plugin target)
   add_library(${target} MODULE ${ARGN})
   pbf_carry_runtime(${target})
-  pbf_link_options(${target} -Wl,--no-undefined -Wl,--exclude-libs,ALL)
-  if(PBF_SANITIZE_ADDRESS OR PBF_SANITIZE_THREAD)
-    # clang leaves the sanitizer's runtime to the program.
-    if(CMAKE_C_COMPILER_ID MATCHES Clang)
-      target_link_options(${target} PRIVATE -Wl,-z,undefs)
-    endif()
-  endif()
+  pbf_link_options(${target} ${PBF_NO_UNDEFINED} -Wl,--exclude-libs,ALL)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME ${target} SUFFIX ${PBF_PLUGIN_SUFFIX}
-    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${PBF_PLUGIN_FOLDER}/pbf/backends)
+    LIBRARY_OUTPUT_DIRECTORY ${PBF_PLUGIN_DIR})
+  foreach(configuration IN LISTS CMAKE_CONFIGURATION_TYPES CMAKE_BUILD_TYPE) # libpbf looks for one name in all of them
+    string(TOUPPER ${configuration} configuration)
+    set_target_properties(${target} PROPERTIES ${configuration}_POSTFIX "")
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY PBF_PLUGINS ${target})
   if(PBF_INSTALL)
     install(TARGETS ${target} LIBRARY DESTINATION ${PBF_PLUGIN_DESTINATION} COMPONENT runtime)
   endif()

@@ -12,6 +12,14 @@ set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 if(NOT EMSCRIPTEN) # whose static module lies where it is linked
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 endif()
+# Where a project that has pbf as a part, or a builder's flags, ask for what it can't bear: several files define functions of the
+# same name, and libm is no target. Under -ffast-math bits differ and NaNs pass for numbers; linked with it by GCC before 13, a
+# library flushes subnormal numbers in all programs that load it.
+set(CMAKE_UNITY_BUILD OFF)
+set(CMAKE_LINK_LIBRARIES_ONLY_TARGETS OFF)
+add_compile_options(
+  "$<$<COMPILE_LANGUAGE:C,CXX>:-fno-fast-math;-fno-finite-math-only;-fno-associative-math;-fno-reciprocal-math;-fsigned-zeros>")
+add_link_options("$<$<LINK_LANGUAGE:C,CXX>:-fno-fast-math;-fno-unsafe-math-optimizations>")
 foreach(language C CXX)
   set(CMAKE_${language}_FLAGS_RELEASE "-O3")
   set(CMAKE_${language}_FLAGS_MINSIZEREL "-Os -fno-asynchronous-unwind-tables")
@@ -54,6 +62,13 @@ endif()
 if(PBF_SANITIZE_THREAD)
   add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fsanitize=thread> $<$<COMPILE_LANGUAGE:C,CXX>:-fno-omit-frame-pointer>)
   add_link_options(-fsanitize=thread)
+endif()
+
+# Libraries may lack a sanitizer's functions, which are in programs.
+set(PBF_NO_UNDEFINED -Wl,--no-undefined)
+get_directory_property(options COMPILE_OPTIONS)
+if("${CMAKE_C_FLAGS} ${CMAKE_CXX_FLAGS} ${options}" MATCHES -fsanitize)
+  set(PBF_NO_UNDEFINED)
 endif()
 
 # Of backends, and of tests that include their headers.

@@ -9,6 +9,12 @@ set(PBF_BACKEND_DIR ${PBF_PLUGIN_DESTINATION})
 file(RELATIVE_PATH PBF_PC_PREFIX
   ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 string(REGEX REPLACE "/$" "" PBF_PC_PREFIX "${PBF_PC_PREFIX}")
+# Below the prefix, or, where they are given whole, as distributions with a folder for each package do, those.
+cmake_path(APPEND PBF_PC_LIBDIR "\${prefix}" "${CMAKE_INSTALL_LIBDIR}")
+cmake_path(APPEND PBF_PC_INCLUDEDIR "\${prefix}" "${CMAKE_INSTALL_INCLUDEDIR}")
+# The name that the library has in a build of one configuration, which may have an ending of its own.
+string(TOUPPER "${CMAKE_BUILD_TYPE}" configuration)
+set(PBF_PC_NAME pbf${CMAKE_${configuration}_POSTFIX})
 get_property(PBF_LINKED_BACKENDS GLOBAL PROPERTY PBF_LINKED_BACKENDS)
 
 install(TARGETS pbf EXPORT pbfTargets

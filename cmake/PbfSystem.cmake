@@ -20,6 +20,13 @@ else()
     add_compile_options(-pthread) # all objects of a module share its memory, or none
   endif()
 endif()
+# Where a build puts plugins: beside libpbf, which generators of several configurations put into a folder for each.
+set(PBF_PLUGIN_DIR ${PROJECT_BINARY_DIR}/${PBF_PLUGIN_FOLDER})
+get_property(several GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+if(several)
+  string(APPEND PBF_PLUGIN_DIR /$<CONFIG>)
+endif()
+string(APPEND PBF_PLUGIN_DIR /pbf/backends)
 # Of libpbf, and of plugins that start threads or ask for the time.
 set(PBF_SYSTEM_SOURCES ${PROJECT_SOURCE_DIR}/backends/common/system_${PBF_SYSTEM}.c)
 if(NOT WIN32)

@@ -1,7 +1,9 @@
 # cmake -D ROOT= -D BUILD= -D OUTPUT= -P sources.cmake
 # Writes a hash of all that the CPU backends are compiled of, of what the build leaves out as well.
 set(folders include backends/common backends/cpu backends/physics)
-list(TRANSFORM folders PREPEND ${ROOT}/)
+include(${CMAKE_CURRENT_LIST_DIR}/../../cmake/PbfPattern.cmake)
+pbf_pattern(root ${ROOT})
+list(TRANSFORM folders PREPEND ${root}/)
 list(TRANSFORM folders APPEND /*)
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${folders})
 file(READ ${BUILD} text)
