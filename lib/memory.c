@@ -57,9 +57,17 @@ const pbf_allocator pbf_default_allocator = {sizeof(pbf_allocator), 0, NULL, def
 /* Callers' allocators are never asked for 0 bytes. */
 static uint64_t at_least_one(uint64_t size) { return size ? size : 1; }
 
+/* Memory that does not lie as it must would end the process at the first access by whole lanes. */
+void *pbf_memory_ask(const pbf_allocator *allocator, uint64_t size, uint64_t alignment) {
+  void *memory = allocator->allocate(allocator->user, size, alignment);
+  if (alignment <= 1 || ((uintptr_t)memory & (alignment - 1)) == 0) return memory;
+  allocator->release(allocator->user, memory, size, alignment);
+  return NULL;
+}
+
 void *pbf_memory_try(const pbf_allocator *allocator, uint64_t size) {
   const pbf_fp_environment ours = pbf_fp_now();
-  void *memory = allocator->allocate(allocator->user, at_least_one(size), ALIGNMENT);
+  void *memory = pbf_memory_ask(allocator, at_least_one(size), ALIGNMENT);
   pbf_fp_end(ours); /* a caller's function may have left another one */
   return memory;
 }
@@ -68,8 +76,9 @@ pbf_status pbf_memory_allocate(const pbf_allocator *allocator, uint64_t size, co
                                void **memory) {
   *memory = pbf_memory_try(allocator, size);
   if (*memory) return PBF_OK;
-  return pbf_fail(PBF_ERROR_OUT_OF_MEMORY, "the allocator gave no %" PRIu64 " bytes for %s",
-                  at_least_one(size), purpose);
+  return pbf_fail(PBF_ERROR_OUT_OF_MEMORY,
+                  "the allocator gave no %" PRIu64 " bytes aligned to %d for %s",
+                  at_least_one(size), (int)ALIGNMENT, purpose);
 }
 
 void pbf_memory_free(const pbf_allocator *allocator, void *memory, uint64_t size) {

@@ -6,6 +6,10 @@
 
 extern const pbf_allocator pbf_default_allocator;
 
+/* Of a caller's allocator, by its own function: null where it gives none, or none that is aligned.
+ */
+void *pbf_memory_ask(const pbf_allocator *allocator, uint64_t size, uint64_t alignment);
+
 /* Null where there is none. */
 void *pbf_memory_try(const pbf_allocator *allocator, uint64_t size);
 

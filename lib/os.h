@@ -39,6 +39,10 @@ void pbf_uncancelled_end(int before);
 /* Has this thread's stack looked up, which allocates: not in a signal handler. */
 void pbf_os_find_stack(void);
 
+/* Has `ended` called by each thread that has had its stack looked up, when that thread ends. Where
+ * ends are not told of, never. One function, for the life of the library. */
+void pbf_os_watch_threads(void (*ended)(void));
+
 /* Whether the place is on the stack that this thread was made with: coroutines and signal handlers
  * may have others. 0 where that is not known. */
 int pbf_os_is_on_stack(const volatile void *place);

@@ -97,14 +97,37 @@ typedef struct stack_bounds {
 
 static pbf_per_thread own_stack;
 
+/* Of the C library threads' ends are heard by what they have under a key. */
+static struct {
+  pthread_key_t key;
+  int is_there;
+  void (*ended)(void);
+} watch;
+
+static void call_ended(void *unused) {
+  (void)unused;
+  watch.ended();
+}
+
+void pbf_os_watch_threads(void (*ended)(void)) {
+  watch.ended = ended;
+  watch.is_there = pthread_key_create(&watch.key, call_ended) == 0;
+}
+
 PBF_AT_LOAD(begin_stacks) { pbf_per_thread_begin(&own_stack, sizeof(stack_bounds)); }
-PBF_AT_UNLOAD(end_stacks) { pbf_per_thread_end(&own_stack); }
+
+PBF_AT_UNLOAD(end_stacks) {
+  pbf_per_thread_end(&own_stack);
+  if (watch.is_there) pthread_key_delete(watch.key);
+  watch.is_there = 0;
+}
 
 void pbf_os_find_stack(void) {
   pthread_attr_t attributes;
   void *lowest;
   size_t size;
   stack_bounds *own = pbf_per_thread_take(&own_stack);
+  if (watch.is_there && !pthread_getspecific(watch.key)) pthread_setspecific(watch.key, &watch);
   if (!own || own->size || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
   if (pthread_attr_getstack(&attributes, &lowest, &size) == 0) {
     own->lowest = (uintptr_t)lowest;
@@ -126,6 +149,7 @@ int pbf_os_on_signal_stack(void) {
 #else /* unknown */
 
 void pbf_os_find_stack(void) {}
+void pbf_os_watch_threads(void (*ended)(void)) { (void)ended; }
 int pbf_os_is_on_stack(const volatile void *place) { return (void)place, 0; }
 int pbf_os_on_signal_stack(void) { return 1; }
 

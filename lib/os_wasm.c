@@ -32,6 +32,7 @@ void pbf_uncancelled_end(int before) { (void)before; }
 /* ---- Stacks: unknown ------------------------------------------------------------------------ */
 
 void pbf_os_find_stack(void) {}
+void pbf_os_watch_threads(void (*ended)(void)) { (void)ended; }
 int pbf_os_is_on_stack(const volatile void *place) { return (void)place, 0; }
 int pbf_os_on_signal_stack(void) { return 1; }
 

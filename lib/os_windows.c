@@ -44,6 +44,7 @@ void pbf_uncancelled_end(int before) { (void)before; }
 /* ---- Stacks --------------------------------------------------------------------------------- */
 
 void pbf_os_find_stack(void) {}
+void pbf_os_watch_threads(void (*ended)(void)) { (void)ended; }
 
 int pbf_os_is_on_stack(const volatile void *place) {
   ULONG_PTR lowest, end;

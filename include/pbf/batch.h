@@ -9,7 +9,7 @@
  *             CPUs), or by desc's task system. They wait in between and end with the batch. A
  *             device is fed by the calling thread alone.
  *   callbacks (the allocator's, the log) are called from all of these threads at once, and may not
- *             be left by an exception or a longjmp.
+ *             be left by an exception or a longjmp, nor end their thread.
  *   mask      `worlds` bytes; a call is for the worlds with a byte that is not 0; null: for all.
  *   failures  a world that fails does not stop the others. The call then returns the status of the
  *             first that has, and its sentence begins with "world k: "; pbf_batch_get_statuses has

@@ -33,7 +33,8 @@ enum { PBF_LOG_INFO = 1, PBF_LOG_WARNING = 2 };
 typedef void (*pbf_log_fn)(void *user, int32_t level, const char *message);
 
 /* Every allocation of host memory that a solver makes goes through these two. `allocate` returns
- * memory aligned to `alignment` (a power of two) or null; `release` gets the same size back.
+ * memory aligned to `alignment` (a power of two) or null; `release` gets the same size back, at
+ * once where the memory is not aligned, which is as none.
  * Both may be called from any thread that calls into the solver. */
 typedef struct pbf_allocator {
   uint32_t struct_size;

@@ -48,7 +48,8 @@
  *             thread that starts them does. OpenMP's take those that the program lets them.
  *   callbacks (the allocator's, the log) should return. One that is left by a C++ exception or a
  *             longjmp leaves its call halfway: from then on the solver's calls in that thread
- *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. pbf_create has set
+ *             return PBF_ERROR_STATE, and pbf_destroy frees all that it has. One that ends its
+ *             thread (pthread_exit) does so for all threads. pbf_create has set
  *             *solver when it logs; what the allocator has given is lost when it is left in there.
  *             A thread that leaves one so keeps the floating-point environment of the call, see
  *             rounding: fesetenv gives it its own back.

@@ -6,6 +6,7 @@
 
 #include "compiler.h"
 #include "common/fp_environment.h"
+#include "memory.h"
 #include "os.h"
 
 /* ---- Blocks of memory that are out --------------------------------------------------------- */
@@ -88,7 +89,7 @@ PBF_UNSANITIZED static void *allocate(void *user, uint64_t size, uint64_t alignm
   const pbf_fp_environment ours = pbf_fp_now();
   mark here;
   begin(own, &here);
-  void *memory = own->allocator.allocate(own->allocator.user, size, alignment);
+  void *memory = pbf_memory_ask(&own->allocator, size, alignment);
   end(own, ours);
   note_taken(own, memory, size, alignment);
   return memory;

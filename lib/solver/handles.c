@@ -51,10 +51,12 @@ static void see_whether_left(pbf_solver *solver) {
 }
 
 static pbf_status fail_as_left(const pbf_solver *solver) {
-  return pbf_fail(PBF_ERROR_STATE, "%s; this solver can only be destroyed",
-                  solver->left == PBF_LEFT_BY_CALLBACK
-                      ? "an exception or a longjmp has left a callback, and so a call, halfway"
-                      : "another thread was halfway in a call when this process was forked off");
+  return pbf_fail(
+      PBF_ERROR_STATE, "%s; this solver can only be destroyed",
+      solver->left == PBF_LEFT_BY_CALLBACK
+          ? "an exception, a longjmp or the end of its thread has left a callback, and so a "
+            "call, halfway"
+          : "another thread was halfway in a call when this process was forked off");
 }
 
 static pbf_status find_locked(pbf_solver *solver) {
@@ -257,6 +259,31 @@ void pbf_destroy(pbf_solver *solver) {
   destroy(solver);
   pbf_uncancelled_end(cancellation);
 }
+
+/* ---- A thread that ends in a callback -------------------------------------------------------- */
+
+/* As by pthread_exit. Of steps that have begun it may be waited for. */
+static void leave_with_thread(pbf_solver *solver) {
+  if (solver->begun == PBF_BEGUN_ENDING) {
+    solver->left = PBF_LEFT_BY_CALLBACK;
+    pbf_worker_has_ended(solver);
+  } else {
+    if (solver->begun == PBF_BEGUN_STEPS) pbf_worker_has_ended(solver);
+    leave_halfway(solver, PBF_LEFT_BY_CALLBACK);
+  }
+}
+
+static void end_with_thread(void) {
+  pbf_lock_take(PBF_LOCK_SOLVERS);
+  for (int k = 0; k < BUCKETS; ++k)
+    for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live)
+      if (solver->in_call && solver->callbacks.frame &&
+          solver->callbacks.thread == pbf_this_thread())
+        leave_with_thread(solver);
+  pbf_lock_release(PBF_LOCK_SOLVERS);
+}
+
+PBF_AT_LOAD(prepare_for_ends) { pbf_os_watch_threads(end_with_thread); }
 
 /* ---- In the child of a fork ------------------------------------------------------------------ */
 

@@ -57,7 +57,7 @@ typedef struct pbf_callbacks {
 /* Why a solver can do nothing any more but be destroyed. */
 typedef enum pbf_left {
   PBF_LEFT_NOT,
-  PBF_LEFT_BY_CALLBACK, /* an exception or a longjmp has left a call halfway */
+  PBF_LEFT_BY_CALLBACK, /* an exception, a longjmp or a thread's end has left a call halfway */
   PBF_LEFT_BY_FORK      /* another thread was inside when this process was forked off */
 } pbf_left;
 

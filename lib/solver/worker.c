@@ -1,5 +1,6 @@
 #include "worker.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "error.h"
@@ -128,6 +129,15 @@ void pbf_worker_run(pbf_solver *solver, const pbf_worker_calls *calls, uint32_t 
 }
 
 void pbf_worker_wait(pbf_solver *solver) { wait_while(solver->worker, BEGUN, BEGUN); }
+
+void pbf_worker_has_ended(pbf_solver *solver) {
+  pbf_worker *worker = solver->worker;
+  worker->status = PBF_ERROR_STATE;
+  snprintf(worker->why, sizeof worker->why,
+           "a callback has ended the thread of steps that have begun; this solver can only be "
+           "destroyed");
+  set_state(worker, DONE);
+}
 
 pbf_status pbf_worker_status(const pbf_solver *solver, char why[PBF_MESSAGE_SIZE]) {
   const pbf_worker *worker = solver->worker;

@@ -25,6 +25,9 @@ void pbf_worker_run(pbf_solver *solver, const pbf_worker_calls *calls, uint32_t 
 /* Waits until steps that have begun are done. */
 void pbf_worker_wait(pbf_solver *solver);
 
+/* Its thread ends in a callback: who waits for the steps need not. */
+void pbf_worker_has_ended(pbf_solver *solver);
+
 /* Of those; with the sentence of a failure. */
 pbf_status pbf_worker_status(const pbf_solver *solver, char why[PBF_MESSAGE_SIZE]);
 

@@ -418,7 +418,7 @@ static void wait_for_all(void *user) {
   const struct timespec nap = {0, 1000000};
   (void)user;
   atomic_fetch_add(&inside, 1);
-  for (int k = 0; k < 10000 && atomic_load(&inside) < WORLDS; ++k) nanosleep(&nap, NULL);
+  for (int k = 0; k < 100000 && atomic_load(&inside) < WORLDS; ++k) nanosleep(&nap, NULL);
   if (atomic_load(&inside) < WORLDS) atomic_store(&inside, 2 * WORLDS); /* the others go, too */
 }
 

@@ -14,26 +14,41 @@ static uint64_t steps_of(pbf_solver *s) {
   return info.step;
 }
 
-/* Cancels until the call has ended: one that has not begun is not meant. */
+/* Cancels until the call has ended: one that has not begun is not meant. The first time not before
+ * the calling thread has worked for some time: where processors are busy, it has had little of what
+ * has gone by. */
 typedef struct canceller {
   pbf_solver *solver;
-  long nap; /* nanoseconds before each */
+  clockid_t clock;    /* of that thread */
+  double begin, time; /* seconds of it */
   atomic_int over, wrong;
 } canceller;
 
+static double seconds_of(clockid_t clock) {
+  struct timespec now = {0, 0};
+  clock_gettime(clock, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 static void *cancel(void *user) {
+  enum { LONGEST = 60 }; /* seconds, should it sleep */
   canceller *c = user;
-  const struct timespec nap = {0, c->nap};
+  const struct timespec nap = {0, 1000000};
+  const double begin = seconds_of(CLOCK_MONOTONIC);
   while (!atomic_load(&c->over)) {
     nanosleep(&nap, NULL);
+    if (seconds_of(c->clock) - c->begin < c->time && seconds_of(CLOCK_MONOTONIC) - begin < LONGEST)
+      continue;
     if (pbf_cancel(c->solver) != PBF_OK) atomic_fetch_add(&c->wrong, 1);
   }
   return NULL;
 }
 
-static void step_until_cancelled(pbf_solver *s, long nap) {
-  canceller c = {.solver = s, .nap = nap};
+static void step_until_cancelled(pbf_solver *s, double time) {
+  canceller c = {.solver = s, .time = time};
   pthread_t thread;
+  assert_int_equal(pthread_getcpuclockid(pthread_self(), &c.clock), 0);
+  c.begin = seconds_of(c.clock);
   assert_int_equal(pthread_create(&thread, NULL, cancel, &c), 0);
   pbf_status status = pbf_step(s, FOREVER);
   atomic_store(&c.over, 1);
@@ -46,7 +61,7 @@ static void step_until_cancelled(pbf_solver *s, long nap) {
 static void check_cancelled(uint32_t dimension, uint32_t precision) {
   pbf_solver *s = test_filled(dimension, precision, COUNT, CAPACITY);
   pbf_solver *other = test_filled(dimension, precision, COUNT, CAPACITY);
-  step_until_cancelled(s, 2000000);
+  step_until_cancelled(s, 0.002);
   const uint64_t done = steps_of(s);
   assert_true(done < FOREVER);
   assert_ok(pbf_step(other, (uint32_t)done));
@@ -71,7 +86,7 @@ static void parts_of_steps_are_completed(void **state) {
   params.time_step = 1.0 / 20;
   params.max_substeps = 8;
   assert_ok(pbf_set_params(s, &params));
-  step_until_cancelled(s, 2000000);
+  step_until_cancelled(s, 0.002);
   pbf_info info = {.struct_size = sizeof info};
   assert_ok(pbf_get_info(s, &info));
   assert_true(fabs(info.time - (double)info.step * params.time_step) < 1e-9 * info.time + 1e-12);
@@ -87,7 +102,7 @@ static void readers_see_what_was_done(void **state) {
   assert_ok(pbf_set_snapshots(s, 2));
   assert_ok(pbf_keep_previous(s, 1));
   assert_ok(pbf_step(s, 2));
-  step_until_cancelled(s, 2000000);
+  step_until_cancelled(s, 0.002);
   assert_ok(pbf_acquire_snapshot(s, &snapshot));
   assert_int_equal(snapshot.step, steps_of(s));
   assert_ok(pbf_get_positions(s, 0, COUNT, now));
@@ -133,8 +148,8 @@ static void which_call_is_meant(void **state) {
  * that would take many seconds. The first steps take their time on an emulated processor. */
 static void check_far_ahead(pbf_solver *s) {
   const uint64_t before = steps_of(s);
-  for (long nap = 2000000; steps_of(s) == before && nap < 600000000; nap *= 256)
-    step_until_cancelled(s, nap);
+  for (double time = 0.002; steps_of(s) == before && time < 0.6; time *= 256)
+    step_until_cancelled(s, time);
   assert_true(steps_of(s) > before);
   pbf_destroy(s);
 }

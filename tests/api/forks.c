@@ -196,7 +196,7 @@ static void ask_while_forking(void) {
   const struct timespec nap = {0, 10000000};
   pthread_t thread;
   if (!asked.solver || pthread_create(&thread, NULL, ask_once, NULL) != 0) return;
-  for (int naps = 0; naps < 1000 && !atomic_load(&asked.answered); ++naps) nanosleep(&nap, NULL);
+  for (int naps = 0; naps < 10000 && !atomic_load(&asked.answered); ++naps) nanosleep(&nap, NULL);
   asked.in_time = atomic_load(&asked.answered);
   pthread_detach(thread);
 }

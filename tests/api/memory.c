@@ -319,12 +319,71 @@ static void malloc_without_an_allocator(void **state) {
   pbf_destroy(solver);
 }
 
+/* An allocator that takes no notice of alignment, from its n-th call on or in that alone. */
+typedef struct careless {
+  int calls, from, for_good, blocks;
+} careless;
+
+static void *allocate_carelessly(void *user, uint64_t size, uint64_t alignment) {
+  careless *own = user;
+  const int n = ++own->calls, off = n == own->from || (n > own->from && own->for_good);
+  char *block = aligned_alloc(alignment, (size + 3 * alignment - 1) / alignment * alignment);
+  if (!block) return NULL;
+  ++own->blocks;
+  memset(block, 0, alignment);
+  block += alignment + (off ? 8 : 0);
+  block[-1] = (char)(off ? 8 : 0);
+  return block;
+}
+
+static void release_carelessly(void *user, void *memory, uint64_t size, uint64_t alignment) {
+  char *block = memory;
+  (void)size;
+  --((careless *)user)->blocks;
+  free(block - block[-1] - alignment);
+}
+
+static pbf_status use_carelessly(careless *own) {
+  const pbf_allocator allocator = {sizeof allocator, 0, own, allocate_carelessly,
+                                   release_carelessly};
+  pbf_solver *solver = NULL;
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, 100);
+  desc.allocator = &allocator;
+  void *lattice = test_lattice(3, PBF_FLOAT32, 64);
+  pbf_status status = pbf_create(&desc, NULL, &solver);
+  if (status == PBF_OK) status = pbf_add_particles(solver, 64, lattice, NULL, NULL);
+  if (status == PBF_OK) status = pbf_step(solver, 2);
+  if (status == PBF_OK)
+    status = pbf_get_stats(solver, &(pbf_stats){.struct_size = sizeof(pbf_stats)});
+  pbf_destroy(solver);
+  free(lattice);
+  return status;
+}
+
+/* It counts as none, and is given back. */
+static void memory_that_is_not_aligned(void **state) {
+  (void)state;
+  careless all = {.from = 1, .for_good = 1};
+  assert_fails(use_carelessly(&all), PBF_ERROR_OUT_OF_MEMORY, "bytes aligned to 64 for a solver");
+  assert_int_equal(all.blocks, 0);
+  careless never = {.from = 0};
+  assert_ok(use_carelessly(&never));
+  for (int n = 1; n <= never.calls; ++n) {
+    careless own = {.from = n};
+    const pbf_status status = use_carelessly(&own);
+    assert_true(status == PBF_OK || status == PBF_ERROR_OUT_OF_MEMORY ||
+                status == PBF_ERROR_UNAVAILABLE);
+    assert_int_equal(own.blocks, 0);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest memory[] = {
       cmocka_unit_test(each_call),
       cmocka_unit_test(creation),
       cmocka_unit_test(the_plan_counts_every_byte),
       cmocka_unit_test(malloc_without_an_allocator),
+      cmocka_unit_test(memory_that_is_not_aligned),
   };
   return TEST_RUN(memory);
 }

@@ -1,6 +1,8 @@
 /* pthread_cancel: a call that it meets is done as a whole, and leaves the solver as a call does.
- * And signals: they go to none of the library's threads. */
+ * pthread_exit in a callback: nothing waits for the thread, and the solver can be destroyed. And
+ * signals: they go to none of the library's threads. */
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -130,6 +132,73 @@ static void while_solvers_are_made(void **state) {
   assert_int_equal(test_count.live_bytes, 0);
 }
 
+/* ---- Threads that end in a callback ------------------------------------------------------------
+ */
+
+static pthread_t waiting; /* which is to go on */
+
+static void end_thread(void *user, int32_t level, const char *message) {
+  (void)user, (void)level, (void)message;
+  if (!pthread_equal(pthread_self(), waiting)) pthread_exit(NULL);
+}
+
+/* Its steps are so long that it warns of them. */
+static pbf_solver *ending_threads(void) {
+  waiting = pthread_self();
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, COUNT);
+  pbf_params params = test_params();
+  desc.log = end_thread;
+  params.time_step = 0.2;
+  pbf_solver *s = test_create(&desc, &params);
+  const float x[3] = {0.5f, 0.5f, 0.5f};
+  assert_ok(pbf_add_particles(s, 1, x, NULL, NULL));
+  return s;
+}
+
+static void can_only_be_destroyed(pbf_solver *s) {
+  assert_fails(pbf_step(s, 1), PBF_ERROR_STATE, "the end of its thread");
+  assert_fails(pbf_begin_step(s, 1), PBF_ERROR_STATE, "the end of its thread");
+  assert_fails(pbf_end_step(s), PBF_ERROR_STATE, "the end of its thread");
+  pbf_destroy(s);
+  assert_int_equal(test_count.live_blocks, 0);
+}
+
+static void *step_once(void *solver) {
+  (void)pbf_step((pbf_solver *)solver, 1);
+  return solver;
+}
+
+static void a_callback_ends_the_calling_thread(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub warns of nothing");
+  pthread_t thread;
+  void *returned;
+  pbf_solver *s = ending_threads();
+  assert_int_equal(pthread_create(&thread, NULL, step_once, s), 0);
+  assert_int_equal(pthread_join(thread, &returned), 0);
+  assert_null(returned);
+  can_only_be_destroyed(s);
+}
+
+static void a_callback_ends_the_thread_of_begun_steps(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub warns of nothing");
+  for (int waits = 0; waits < 2; ++waits) {
+    pbf_solver *s = ending_threads();
+    assert_ok(pbf_begin_step(s, 1));
+    pbf_status status = PBF_OK;
+    if (waits) { /* until it has ended */
+      uint32_t count;
+      while ((status = pbf_get_count(s, &count)) == PBF_ERROR_BUSY) sched_yield();
+    } else {
+      status = pbf_end_step(s);
+    }
+    assert_int_equal(status, PBF_ERROR_STATE);
+    assert_non_null(strstr(pbf_last_error(), "can only be destroyed"));
+    can_only_be_destroyed(s);
+  }
+}
+
 /* ---- Signals --------------------------------------------------------------------------------- */
 
 static pthread_t program;
@@ -196,6 +265,8 @@ int main(void) {
       cmocka_unit_test(at_any_time),
       cmocka_unit_test(in_steps_that_have_begun),
       cmocka_unit_test(while_solvers_are_made),
+      cmocka_unit_test(a_callback_ends_the_calling_thread),
+      cmocka_unit_test(a_callback_ends_the_thread_of_begun_steps),
       cmocka_unit_test(signals_are_for_the_program),
       cmocka_unit_test(handlers_stay_as_they_are),
   };

@@ -42,10 +42,14 @@ static uint64_t expected_hash(void) {
 /* The program's own. */
 static int at_rest;
 
-static void assert_threads(int expected) {
-  for (int k = 0; k < 2000 && cpu_threads_now() != expected; ++k) usleep(1000);
-  assert_int_equal(cpu_threads_now(), expected);
+/* One that has ended counts a little longer, and longer where processors are busy. */
+static int come_to(int threads) {
+  enum { LOOKS = 60000 };
+  for (int k = 0; k < LOOKS && cpu_threads_now() != threads; ++k) usleep(1000);
+  return cpu_threads_now();
 }
+
+static void assert_threads(int expected) { assert_int_equal(come_to(expected), expected); }
 
 static void no_more_than_asked_for_and_gone_at_the_end(void **state) {
   (void)state;
@@ -177,9 +181,9 @@ static void signals_are_blocked(void **state) {
 
 /* ---- In a process of its own --------------------------------------------------------------- */
 
-/* Runs `work` in a child, which must return 0 in a minute. */
+/* Runs `work` in a child, which must return 0 in some minutes. */
 static void assert_in_child(int (*work)(void *), void *user) {
-  enum { LIMIT = 60 };
+  enum { LIMIT = 200 };
   int status = 0;
   pid_t child = fork();
   assert_true(child >= 0);
@@ -224,8 +228,7 @@ static int step_in_child(void *user) {
   if (cpu_threads_now() != before + 2) return 3;
   pbf_destroy(solver);
   pbf_destroy(c->solver);
-  for (int k = 0; k < 2000 && cpu_threads_now() != before; ++k) usleep(1000);
-  return cpu_threads_now() == before ? 0 : 4;
+  return come_to(before) == before ? 0 : 4;
 }
 
 /* A child has copies of the solvers, and threads of its own. */
@@ -244,7 +247,7 @@ static void a_child_has_a_new_pool(void **state) {
 
 /* ---- Processes that look alike --------------------------------------------------------------- */
 
-enum { TOO_LONG = 20 /* seconds: for what waits for threads that are not there */ };
+enum { TOO_LONG = 120 /* seconds: for what waits for threads that are not there */ };
 
 /* The child of a fork of which nothing is told: runtimes make them by the system call. */
 static void a_child_that_was_not_told(void **state) {
@@ -355,7 +358,7 @@ static void *send_signals(void *to) {
 /* One that interrupts a step where that holds the pool's lock does not wait for it. */
 static void a_handler_steps_another_solver(void **state) {
   (void)state;
-  enum { ENOUGH = 500, TIME_LIMIT = 60 /* seconds: for what waits for itself */ };
+  enum { ENOUGH = 500, TIME_LIMIT = 400 /* seconds: for what waits for itself */ };
   pbf_solver *solver = make("threads", 4), *twin = make("serial", 1), *small = make("serial", 1);
   of_handler = make("threads", 4);
   pthread_t sender, self = pthread_self();
@@ -366,7 +369,7 @@ static void a_handler_steps_another_solver(void **state) {
   assert_int_equal(sigaction(SIGUSR1, &action, &before), 0);
   alarm(TIME_LIMIT);
   assert_int_equal(pthread_create(&sender, NULL, send_signals, &self), 0);
-  for (; steps_of_handler < ENOUGH && steps < 4 * ENOUGH; ++steps) assert_ok(pbf_step(solver, 1));
+  for (; steps_of_handler < ENOUGH; ++steps) assert_ok(pbf_step(solver, 1));
   over = 1;
   pthread_join(sender, NULL);
   alarm(0);

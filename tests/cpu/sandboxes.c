@@ -92,7 +92,7 @@ static uint64_t run_within(const char *backend, int call, moment when) {
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) {
-    alarm(60); /* of what hangs */
+    alarm(120); /* of what hangs */
     hash = hash_within(backend, call, when);
     _exit(write(ends[1], &hash, sizeof hash) != sizeof hash);
   }
@@ -231,7 +231,7 @@ static int run_by_turns(void) {
   }
   if (threads_there() < 1) return SKIPPED;
   for (int looks = 0; threads_there() > 1 + CALLERS + THREADS - 1; ++looks) {
-    if (looks == 1000) return 4;
+    if (looks == 60000) return 4;
     usleep(1000); /* one that has ended counts a little longer */
   }
   return 0;
@@ -249,7 +249,7 @@ static void assert_child(int (*run)(void)) {
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) {
-    alarm(60);
+    alarm(120);
     _exit(run());
   }
   assert_ends_well(child, "the system does not tell");
@@ -302,7 +302,7 @@ static void assert_with(const char *variable, const char *value, const char *nam
   fflush(NULL);
   const pid_t child = fork();
   if (child == 0) {
-    alarm(60);
+    alarm(120);
     setenv(variable, value, 1);
     execl("/proc/self/exe", "sandboxes", name, (char *)NULL);
     _exit(SKIPPED);

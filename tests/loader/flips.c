@@ -11,7 +11,7 @@
 #include "child.h"
 #include "random.h"
 
-enum { FLIPS = TEST_INSTRUMENTED ? 150 : 600, MOST_PARTS = 16, TIME_LIMIT = 20 /* seconds */ };
+enum { FLIPS = TEST_INSTRUMENTED ? 150 : 600, MOST_PARTS = 16, TIME_LIMIT = 60 /* seconds */ };
 
 static char folder[64], path[128];
 static unsigned char *whole;

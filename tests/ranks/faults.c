@@ -1,5 +1,6 @@
 /* What ranks refuse, and what they say when they differ or one of them is gone. */
 #include <pthread.h>
+#include <stdatomic.h>
 #include <time.h>
 
 #include <pbf/diffuse.h>
@@ -326,11 +327,37 @@ static void clocks_of_ranks_differ(void **state) {
   run(2, 0, step_for_long, NULL);
 }
 
-static void *cancel_soon(void *solver) {
+/* Until the call has ended: one that has not begun yet is not meant. */
+typedef struct canceller {
+  pbf_solver *solver;
+  atomic_int over;
+} canceller;
+
+static void *cancel_soon(void *user) {
   const struct timespec a_while = {0, 50000000};
-  nanosleep(&a_while, NULL);
-  EXPECT_OK(pbf_cancel(solver));
+  canceller *c = user;
+  do {
+    nanosleep(&a_while, NULL);
+    EXPECT_OK(pbf_cancel(c->solver));
+  } while (!atomic_load(&c->over));
   return NULL;
+}
+
+/* A long call, which one rank cancels, all in turn; again where that has come before any step. */
+static void step_until_cancelled(pbf_solver *s, int begins, int cancels) {
+  pbf_info before = {.struct_size = sizeof before}, after = before;
+  EXPECT_OK(pbf_get_info(s, &before));
+  do {
+    canceller c = {.solver = s};
+    pthread_t thread;
+    if (cancels && !EXPECT(pthread_create(&thread, NULL, cancel_soon, &c) == 0)) return;
+    if (begins) EXPECT_OK(pbf_begin_step(s, 2000000000));
+    EXPECT_FAILS(begins ? pbf_end_step(s) : pbf_step(s, 2000000000), PBF_ERROR_CANCELLED,
+                 "pbf_cancel has ended the call");
+    atomic_store(&c.over, 1);
+    if (cancels) pthread_join(thread, NULL);
+    EXPECT_OK(pbf_get_info(s, &after));
+  } while (after.step == before.step && ranks_failures() == 0);
 }
 
 /* One rank's cancellation ends the call on all after the same step. */
@@ -339,16 +366,10 @@ static void cancel_one(const pbf_ranks *ranks, void *context) {
   pbf_solver *s = solver_on(ranks, &params);
   pbf_info info = {.struct_size = sizeof info};
   uint64_t *steps = context;
-  pthread_t thread;
   if (!s) return;
   fill(s, 0);
   for (int begun = 0; begun < 2; ++begun) {
-    const int cancels = ranks->rank == (begun ? 0 : 2);
-    if (cancels && !EXPECT(pthread_create(&thread, NULL, cancel_soon, s) == 0)) return;
-    if (begun) EXPECT_OK(pbf_begin_step(s, 2000000000));
-    EXPECT_FAILS(begun ? pbf_end_step(s) : pbf_step(s, 2000000000), PBF_ERROR_CANCELLED,
-                 "pbf_cancel has ended the call");
-    if (cancels) pthread_join(thread, NULL);
+    step_until_cancelled(s, begun, ranks->rank == (begun ? 0 : 2));
     EXPECT_OK(pbf_step(s, 1));
     EXPECT_OK(pbf_get_info(s, &info));
     steps[2 * ranks->rank + (uint32_t)begun] = info.step;

@@ -170,7 +170,7 @@ static void *call(void *context) {
 
 void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *shares,
                       const uint64_t *dies_after, thread_rank_fn function, void *context) {
-  thread_ranks all = {.count = count, .patience = 20};
+  thread_ranks all = {.count = count, .patience = 120};
   thread_call calls[MAX_THREAD_RANKS];
   pthread_t threads[MAX_THREAD_RANKS];
   pthread_mutex_init(&all.lock, NULL);

@@ -13,7 +13,7 @@
 #include "table.h"
 #include "tasks.h"
 
-enum { TIME_LIMIT = 60 /* seconds, of a child that hangs */ };
+enum { TIME_LIMIT = 150 /* seconds, of a child that hangs */ };
 
 /* ---- Children ---- */
 

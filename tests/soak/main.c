@@ -12,7 +12,9 @@
 #include "round.h"
 #include "table.h"
 
-enum { TIME_LIMIT = TEST_INSTRUMENTED ? 900 : 180 /* seconds: for a round that hangs */ };
+enum {
+  TIME_LIMIT = TEST_INSTRUMENTED ? 900 : 180 /* seconds without a call: a round that hangs */
+};
 enum { MOST_FINDINGS = 16 };
 
 typedef struct finding {
@@ -48,14 +50,24 @@ static void begin_watched(int output, uint64_t seed, int only) {
   round_run(seed, only);
 }
 
-/* 1 once it has ended, within `seconds`. */
+static uint64_t calls_begun(void) {
+  uint64_t sum = 0;
+  for (int k = 0; k < MOST_ACTORS; ++k) sum += soak_record->traces[k].come;
+  return sum;
+}
+
+/* 1 once it has ended; 0 where none of its threads has begun a call for so many seconds. How long
+ * all of them take is the machine's. */
 static int wait_for(pid_t child, int *status, double seconds) {
   const struct timespec nap = {0, 2000000};
-  const double end = now() + seconds;
-  for (;;) {
+  double end = now() + seconds;
+  for (uint64_t come = 0;;) {
     const pid_t ended = waitpid(child, status, WNOHANG);
+    const uint64_t calls = calls_begun();
     if (ended == child) return 1;
+    if (calls != come) end = now() + seconds;
     if (now() > end) return 0;
+    come = calls;
     nanosleep(&nap, NULL);
   }
 }

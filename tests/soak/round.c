@@ -80,7 +80,7 @@ static int entries_in(const char *folder) {
 static void check_left_over(const char *folder, int before, const char *what) {
   const struct timespec nap = {0, 20000000};
   int now = entries_in(folder);
-  for (int tries = 0; tries < 500 && now > before; ++tries) { /* threads end a little later */
+  for (int tries = 0; tries < 3000 && now > before; ++tries) { /* threads end a little later */
     nanosleep(&nap, NULL);
     now = entries_in(folder);
   }
