@@ -277,8 +277,8 @@ static void end_with_thread(void) {
   pbf_lock_take(PBF_LOCK_SOLVERS);
   for (int k = 0; k < BUCKETS; ++k)
     for (pbf_solver *solver = buckets[k]; solver; solver = solver->next_live)
-      if (solver->in_call && solver->callbacks.frame &&
-          solver->callbacks.thread == pbf_this_thread())
+      if (solver->in_call && solver->callbacks.thread == pbf_this_thread() &&
+          solver->callbacks.frame) /* which other threads note without the lock */
         leave_with_thread(solver);
   pbf_lock_release(PBF_LOCK_SOLVERS);
 }
