@@ -4,6 +4,8 @@
 
 #if defined(__GNUC__) /* and clang */
 
+#include "common/at_load.h"
+
 /* A function's argument number `text` is printf's, for those from `first` on. */
 #define PBF_PRINTF(text, first) __attribute__((format(printf, text, first)))
 
@@ -18,12 +20,12 @@
 /* Runs when the library is loaded: static, void (void). */
 #define PBF_AT_LOAD(function) \
   static void function(void); \
-  __attribute__((constructor)) static void function(void)
+  PBF_CONSTRUCTOR static void function(void)
 
 /* Runs when it is unloaded, or the program ends. */
 #define PBF_AT_UNLOAD(function) \
   static void function(void);   \
-  __attribute__((destructor)) static void function(void)
+  PBF_DESTRUCTOR static void function(void)
 
 #else /* cl */
 

@@ -5,6 +5,11 @@
 #ifndef PBF_COMMON_FP_ENVIRONMENT_H
 #define PBF_COMMON_FP_ENVIRONMENT_H
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error \
+    "pbf looks for NaNs and counts on rounding: compile it with -fno-fast-math -fno-finite-math-only"
+#endif
+
 #include <stdint.h>
 
 #if defined(__x86_64__)

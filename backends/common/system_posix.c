@@ -2,6 +2,8 @@
 #define _GNU_SOURCE /* secure_getenv, sched_getaffinity, syscall */
 #include "common/system.h"
 
+#include "common/at_load.h"
+
 #include <errno.h>
 #include <sched.h>
 #include <signal.h>
@@ -69,7 +71,7 @@ static void become_another(void) {
 }
 
 /* What begins earlier may have asked already. */
-__attribute__((constructor)) static void begin_to_ask(void) {
+PBF_CONSTRUCTOR static void begin_to_ask(void) {
   if (!pbf_process_is_told() && processes == 0) processes = 1;
   pthread_atfork(NULL, NULL, become_another);
 }
@@ -117,7 +119,7 @@ static int has_sequences(void) {
 }
 
 static int had_sequences; /* when this was loaded */
-__attribute__((constructor)) static void see_sequences(void) { had_sequences = has_sequences(); }
+PBF_CONSTRUCTOR static void see_sequences(void) { had_sequences = has_sequences(); }
 static int threads_would_begin(void) { return !had_sequences || has_sequences(); }
 
 #else

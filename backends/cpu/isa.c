@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/at_load.h"
 #include "common/instruction_sets.h"
 #include "common/system.h"
 #include "pbf_build.h"
@@ -35,7 +36,7 @@ static void ask_for_brand(void) {
   if (length) snprintf(brand_there, sizeof brand_there, "%.*s", (int)length, text);
 }
 
-__attribute__((constructor)) static void ask_processor(void) {
+PBF_CONSTRUCTOR static void ask_processor(void) {
   unsigned int a, b, c, d;
   has_lzcnt = __get_cpuid(0x80000001u, &a, &b, &c, &d) && c & bit_LZCNT;
   ask_for_brand();

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/at_load.h"
 #include "common/fp_environment.h"
 #include "cpu/team_loops.h"
 #include "cpu/startable_threads.h"
@@ -59,7 +60,7 @@ static size_t bytes_of(const char *text) {
   return number < SIZE_MAX >> shift ? (size_t)number << shift : 0;
 }
 
-__attribute__((constructor)) static void remember_home(void) {
+PBF_CONSTRUCTOR static void remember_home(void) {
   home = has_unwinder() ? pbf_process() : 0;
   stack_bytes = bytes_of(pbf_environment("OMP_STACKSIZE"));
 }
@@ -74,11 +75,11 @@ typedef struct last_run {
 
 static pbf_per_thread last_runs;
 
-__attribute__((constructor)) static void begin_last_runs(void) {
+PBF_CONSTRUCTOR static void begin_last_runs(void) {
   pbf_per_thread_begin(&last_runs, sizeof(last_run));
 }
 
-__attribute__((destructor)) static void end_last_runs(void) { pbf_per_thread_end(&last_runs); }
+PBF_DESTRUCTOR static void end_last_runs(void) { pbf_per_thread_end(&last_runs); }
 
 static uint32_t team_threads(uint32_t threads) {
   const last_run *last = pbf_per_thread_look(&last_runs);

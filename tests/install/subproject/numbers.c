@@ -1,5 +1,6 @@
 /* Whatever flags the project is built with, NaNs and infinities are refused by name, and loading
- * the library and its backends leaves the program its subnormal numbers. */
+ * the library and its backends leaves the program its subnormal numbers. Before main begins, as in
+ * global objects of C++, all is as later. */
 #include <float.h>
 #include <math.h>
 #include <pbf/pbf.h>
@@ -19,7 +20,28 @@ static int subnormal_numbers_are_there(void) {
   return smallest / 2 > 0;
 }
 
+static char early[128], later[128];
+
+/* What a solver runs on; nothing where a sentence is not as it should be. */
+static void look(char device[128]) {
+  pbf_desc desc;
+  pbf_solver *solver;
+  pbf_info info = {.struct_size = sizeof info};
+  pbf_desc_init(&desc, sizeof desc);
+  desc.capacity = 0, desc.backend = "serial";
+  if (pbf_create(&desc, NULL, &solver) == PBF_OK) return;
+  if (!strstr(pbf_last_error(), "desc.capacity is 0")) return;
+  desc.capacity = 8;
+  if (pbf_create(&desc, NULL, &solver) != PBF_OK) return;
+  if (pbf_get_info(solver, &info) == PBF_OK) snprintf(device, 128, "%s", info.device_name);
+  pbf_destroy(solver);
+}
+
+__attribute__((constructor)) static void begin(void) { look(early); }
+
 int main(void) {
+  look(later);
+  expect(later[0] && strcmp(early, later) == 0, "a solver before main is like one after it");
   pbf_desc desc;
   pbf_params params;
   pbf_solver *solver;
