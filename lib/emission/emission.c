@@ -52,21 +52,12 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_em
   return PBF_OK;
 }
 
-/* Their openings are elsewhere, and their particles on their own. */
+/* There is no stream any more. */
 static void let_go(pbf_emission *e, uint32_t source) {
   uint32_t kept = 0;
   for (uint32_t i = 0; i < e->head.guided_count; ++i)
     if (e->guided[i].source != source) e->guided[kept++] = e->guided[i];
   e->head.guided_count = kept;
-}
-
-static int same_opening(const pbf_emitter *before, const pbf_emitter *next, uint32_t dimension) {
-  const size_t from = offsetof(pbf_emitter, position), to = offsetof(pbf_emitter, rate);
-  pbf_emitter a = *before, b = *next;
-  pbf_emitter_clean(&a, dimension);
-  pbf_emitter_clean(&b, dimension);
-  return a.shape == b.shape && a.seed == b.seed && a.jitter == b.jitter &&
-         memcmp((const char *)&a + from, (const char *)&b + from, to - from) == 0;
 }
 
 static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *theirs) {
@@ -77,8 +68,7 @@ static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emi
   status = pbf_emission_need(solver, &e);
   if (status != PBF_OK) return status;
   for (uint32_t i = 0; i < PBF_MAX_EMITTERS; ++i) {
-    if (i >= count || !same_opening(&e->sources[i].emitter, &ours[i], solver->kind.dimension))
-      let_go(e, i);
+    if (i >= count) let_go(e, i);
     if (i >= count || i >= e->head.source_count) e->sources[i] = (pbf_source){0};
     if (i < count) e->sources[i].emitter = ours[i];
   }

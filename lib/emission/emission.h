@@ -20,11 +20,12 @@ typedef struct pbf_births {
 } pbf_births;
 
 /* A particle that has just left its opening, and goes on by the stream's velocity, whatever it
- * meets, until it is h away: fluid that is in its way gives way, as before a piston. */
+ * meets, until it is h away: fluid that is in its way gives way, as before a piston. It goes
+ * straight on where the opening is moved or turned meanwhile, at the speed that the stream has. */
 typedef struct pbf_guided {
   uint32_t id, source;
-  uint64_t number;
-  double ahead; /* how far from the opening */
+  double ahead; /* how far from where it has left */
+  double from[3], velocity[3];
 } pbf_guided;
 
 /* What has been done for which step: a step that has failed goes on from there. */

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
+#include "guided.h"
 #include "new_particles.h"
-#include "opening.h"
 #include "physics/spacing.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
@@ -28,17 +28,15 @@ static void begin(const pbf_solver *solver, pbf_entering *entering) {
 }
 
 /* With what is within h of it, wherever rounding has put that. */
-static void add(const pbf_solver *solver, const pbf_opening *opening, const pbf_guided *g,
-                pbf_entering *entering) {
+static void add(const pbf_solver *solver, const pbf_guided *g, pbf_entering *entering) {
   const double reach = 1.01 * solver->params.smoothing_radius;
   double place[3];
-  pbf_opening_place(opening, g->number, place);
+  pbf_guided_place(g, place);
   entering->first_id = g->id < entering->first_id ? g->id : entering->first_id;
   entering->last_id = g->id > entering->last_id ? g->id : entering->last_id;
   for (int k = 0; k < 3; ++k) {
-    const double x = place[k] + g->ahead * opening->along[k];
-    entering->lower[k] = fmin(entering->lower[k], x - reach);
-    entering->upper[k] = fmax(entering->upper[k], x + reach);
+    entering->lower[k] = fmin(entering->lower[k], place[k] - reach);
+    entering->upper[k] = fmax(entering->upper[k], place[k] + reach);
   }
 }
 
@@ -47,13 +45,8 @@ static void add(const pbf_solver *solver, const pbf_opening *opening, const pbf_
 int pbf_emission_find_entering(const pbf_solver *solver, pbf_entering *entering) {
   const pbf_emission *e = solver->emission;
   if (!e || e->head.guided_count == 0) return 0;
-  pbf_opening openings[PBF_MAX_EMITTERS];
-  for (uint32_t i = 0; i < e->head.source_count; ++i)
-    openings[i] = pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension,
-                                 pbf_derive_spacing(&solver->params));
   begin(solver, entering);
-  for (uint32_t i = 0; i < e->head.guided_count; ++i)
-    add(solver, &openings[e->guided[i].source], &e->guided[i], entering);
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) add(solver, &e->guided[i], entering);
   return 1;
 }
 

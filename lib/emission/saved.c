@@ -5,6 +5,7 @@
 
 #include "emitter.h"
 #include "error.h"
+#include "guided.h"
 #include "memory.h"
 #include "query/volume.h"
 #include "reservoir.h"
@@ -150,11 +151,18 @@ static pbf_status read_births(const stored_head *stored, const unsigned char *at
   return PBF_OK;
 }
 
+static int is_a_way(const pbf_guided *g) {
+  const double speed = pbf_guided_speed(g);
+  int is_one = isfinite(g->ahead) && speed > 0 && isfinite(speed);
+  for (int k = 0; k < 3; ++k) is_one = is_one && isfinite(g->from[k]);
+  return is_one;
+}
+
 static pbf_status read_guided(const stored_head *stored, const unsigned char *at, pbf_emission *e) {
   const uint64_t bytes = stored->head.guided_count * sizeof *e->guided;
   if (bytes > 0) memcpy(e->guided, at, bytes);
   for (uint32_t i = 0; i < stored->head.guided_count; ++i)
-    if (e->guided[i].source >= stored->head.source_count || !isfinite(e->guided[i].ahead))
+    if (e->guided[i].source >= stored->head.source_count || !is_a_way(&e->guided[i]))
       return reject("contradicts itself in what leaves an emitter");
   return PBF_OK;
 }

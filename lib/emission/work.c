@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "emission.h"
+#include "guided.h"
 #include "memory.h"
 #include "new_particles.h"
 #include "opening.h"
@@ -158,11 +159,13 @@ static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, con
   for (uint64_t j = 0; j < count; ++j) {
     const double ahead = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
     double place[3];
+    pbf_guided guided = {(uint32_t)solver->next_id + written, source, ahead, {0}, {0}};
     pbf_opening_place(&b->opening, number + j, place);
-    for (uint32_t k = 0; k < n; ++k) place[k] += ahead * b->opening.along[k];
+    memcpy(guided.from, place, n * sizeof *place);
+    memcpy(guided.velocity, b->opening.emitter->velocity, n * sizeof *place);
+    pbf_guided_place(&guided, place);
     if (!pbf_emission_is_inside(solver, place)) continue;
-    e->guided[e->head.guided_count + written] =
-        (pbf_guided){(uint32_t)solver->next_id + written, source, number + j, ahead};
+    e->guided[e->head.guided_count + written] = guided;
     for (uint32_t k = 0; k < n; ++k) {
       pbf_emission_put(solver, e->particles, (uint64_t)written * n + k, place[k]);
       pbf_emission_put(solver, velocities, (uint64_t)written * n + k,
@@ -207,16 +210,15 @@ static pbf_status reserve_guided(pbf_solver *solver, pbf_emission *e, uint32_t c
 
 static void put_on_way(const pbf_solver *solver, const pbf_emission *e, const batch *stream,
                        const pbf_guided *g, uint32_t place, uint32_t places) {
+  const double faster = stream->opening.speed / pbf_guided_speed(g);
   const uint32_t n = solver->kind.dimension;
   void *velocities = (char *)e->particles + places * pbf_point_bytes(solver);
   double to[3];
-  pbf_opening_place(&stream->opening, g->number, to);
-  for (uint32_t k = 0; k < n; ++k) to[k] += g->ahead * stream->opening.along[k];
+  pbf_guided_place(g, to);
   if (!pbf_emission_is_inside(solver, to)) return;
   for (uint32_t k = 0; k < n; ++k) {
     pbf_emission_put(solver, e->particles, (uint64_t)place * n + k, to[k]);
-    pbf_emission_put(solver, velocities, (uint64_t)place * n + k,
-                     stream->opening.emitter->velocity[k]);
+    pbf_emission_put(solver, velocities, (uint64_t)place * n + k, faster * g->velocity[k]);
   }
 }
 

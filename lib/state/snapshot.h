@@ -18,7 +18,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 #define PBF_SNAPSHOT_MAGIC \
   { 'P', 'B', 'F', 'S', 'T', 'A', 'T', 'E' }
 
-enum { PBF_SNAPSHOT_VERSION = 9 };
+enum { PBF_SNAPSHOT_VERSION = 10 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
