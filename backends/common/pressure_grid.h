@@ -319,7 +319,7 @@ static inline double pbf_pressure_grid_torn_equations(
     if (storage->cell_moves && t->inverse[k] > 0)
       t->right[k] += pbf_moves_at_torn_node(&storage->grid, t, source_scale->part, storage->sums,
                                             storage->cell_moves, storage->free_volumes, k);
-    if (t->inverse[k] > 0) largest = pbf_greater(largest, fabs(t->right[k]));
+    if (t->inverse[k] > 0) largest = pbf_max(largest, fabs(t->right[k]));
   }
   return largest;
 }

@@ -20,7 +20,7 @@
 #include "common/host_only.h"
 #include "common/memory.h"
 #include "common/without.h"
-#include "physics/left_under_all.h"
+#include "physics/settled_error.h"
 #include "physics/loads.h"
 #include "physics/passes/overlap.h"
 #include "physics/project.h"
@@ -287,8 +287,8 @@ static pbf_status plan_steps(Solver *s, double most) {
 template <class Solver>
 static double steps_leave(Solver *s, double error, double most) {
   if (s->schedule.phases) return -1; /* of fluids that differ it is not known */
-  return pbf_left_under_all(&s->params, &s->basins, s->collider_count, s->table.list, s->planned,
-                            error, most);
+  return pbf_settled_error(&s->params, &s->basins, s->collider_count, s->table.list, s->planned,
+                           error, most);
 }
 
 /* A step of no time, without what only steps need. */

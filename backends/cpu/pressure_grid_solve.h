@@ -109,7 +109,7 @@ static double find_equations(solver *s, const pbf_pressure_grid_source_scale *so
           pbf_pressure_grid_end_equation(&storage->grid, &storage->topology, storage->free_volumes,
                                          storage->depths, node, storage->inverse[node]);
       storage->right[node] += pbf_pressure_grid_moves_at(storage, source_scale, node);
-      largest = pbf_greater(largest, fabs(storage->right[node]));
+      largest = pbf_max(largest, fabs(storage->right[node]));
       add_to_runs(storage, node);
     }
   } while (pbf_pressure_grid_next_row(&nodes, i));

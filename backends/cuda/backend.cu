@@ -5,7 +5,7 @@
 #include "cuda/device_calls.h"
 #include "cuda/report.h"
 #include "cuda/scene.h"
-#include "physics/left_under_all.h"
+#include "physics/settled_error.h"
 
 static void destroy(pbf_backend_solver *handle) {
   entered(handle)->put_off.steps = 0;
@@ -188,8 +188,8 @@ static pbf_status plan_steps(pbf_backend_solver *handle, double most) {
 static double steps_leave(pbf_backend_solver *handle, double error, double most) {
   solver *s = of(handle);
   if (s->schedule.phases) return -1; /* of fluids that differ it is not known */
-  return pbf_left_under_all(&s->params, &s->basins, s->collider_count, s->colliders, s->planned,
-                            error, most);
+  return pbf_settled_error(&s->params, &s->basins, s->collider_count, s->colliders, s->planned,
+                           error, most);
 }
 
 static pbf_status synchronize(pbf_backend_solver *handle) {

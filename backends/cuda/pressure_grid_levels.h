@@ -409,7 +409,7 @@ static __device__ __forceinline__ void add_correction(const Team &all, Iteration
     const double change =
         levels.moves[e.node] ? largest * pbf_interpolated(&levels.of[0], at, levels.of[0].now) : 0;
     const uint32_t index = e.node - iterations->lambda.low();
-    const double lambda = pbf_lesser(iterations->now[index] + change, 0);
+    const double lambda = pbf_min(iterations->now[index] + change, 0);
     for (double *of : {iterations->before, iterations->now}) {
       of[index] = lambda;
       iterations->lambda.hand_on(of, index, lambda);

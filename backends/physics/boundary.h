@@ -33,7 +33,8 @@ PBF_FN pbf_real pbf_wall_interpolated(pbf_real s, pbf_real v0, pbf_real v1, pbf_
 }
 
 /* A plane's density at a distance from it, and *slope, the gradient along the normal. */
-PBF_FN_APART pbf_real pbf_wall_density(const pbf_constants *c, pbf_real distance, pbf_real *slope) {
+PBF_FN_HOST_NOINLINE pbf_real pbf_wall_density(const pbf_constants *c, pbf_real distance,
+                                               pbf_real *slope) {
   pbf_real t = pbf_wall_node(c, distance);
   *slope = 0;
   if (!(t < PBF_WALL_LAST)) return 0;
@@ -152,8 +153,8 @@ PBF_FN pbf_real pbf_face_density(const pbf_constants *c, const pbf_near_face &fa
   return value;
 }
 
-PBF_FN_APART void pbf_accumulate_face(const pbf_constants *c, const pbf_near_face &face,
-                                      pbf_real part, pbf_boundary *boundary) {
+PBF_FN_HOST_NOINLINE void pbf_accumulate_face(const pbf_constants *c, const pbf_near_face &face,
+                                              pbf_real part, pbf_boundary *boundary) {
   /* Whether it is asked must not show, whatever others add up to. */
   if (!(pbf_wall_node(c, face.distance) < PBF_WALL_LAST)) return;
   pbf_real slope;
@@ -163,8 +164,8 @@ PBF_FN_APART void pbf_accumulate_face(const pbf_constants *c, const pbf_near_fac
 
 /* Adds what surfaces contribute at x, within the domain. */
 template <class Each>
-PBF_FN_APART void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain,
-                                          pbf_vec x, Each each, pbf_boundary *boundary) {
+PBF_FN_HOST_NOINLINE void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain,
+                                                  pbf_vec x, Each each, pbf_boundary *boundary) {
   pbf_each_near_plane(c, domain, x, pbf_boundary_reach(c), each,
                       [&](const pbf_near_face &face, pbf_real part) {
                         pbf_accumulate_face(c, face, part, boundary);
@@ -204,8 +205,8 @@ PBF_FN pbf_boundary pbf_boundary_at(const pbf_constants *c, const Obstacles &o, 
 /* What they contribute: the domain, whose walls don't rotate, at x, and colliders at `at`, as they
  * stood `before` the step or after it. */
 template <class Obstacles>
-PBF_FN_APART pbf_boundary pbf_boundary_at_time(const pbf_constants *c, const Obstacles &o,
-                                               pbf_vec x, pbf_vec at, int before) {
+PBF_FN_HOST_NOINLINE pbf_boundary pbf_boundary_at_time(const pbf_constants *c, const Obstacles &o,
+                                                       pbf_vec x, pbf_vec at, int before) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
   const auto all = [&](auto visit) {
     for (int k = 0; k < pbf_surface_count(o); ++k)

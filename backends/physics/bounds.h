@@ -36,7 +36,8 @@ PBF_FN group_bounds bounds_between(pbf_vec lower, pbf_vec upper, pbf_real way) {
 
 /* A distance changes by no more than `steepest` times the way between two places, whatever the
  * shape. */
-PBF_FN_SELDOM int bounds_are_within(const group_bounds *of, const pbf_surface *s, pbf_real reach) {
+PBF_FN_NOINLINE int bounds_are_within(const group_bounds *of, const pbf_surface *s,
+                                      pbf_real reach) {
   const pbf_vec arm = pbf_sub(of->center, s->center);
   const pbf_real arm2 = pbf_dot(arm, arm), far = s->bound + of->radius + reach;
   pbf_vec normal;

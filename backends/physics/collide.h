@@ -65,8 +65,8 @@ PBF_FN int pbf_find_contact_on_way(const Surface *s, pbf_real push, pbf_vec from
 /* The same where the surface need not be convex: what touches it, or has met it and is before the
  * tangent plane there, goes on along its way, to its end. None of that may be deeper than where
  * it began, if that was inside. */
-PBF_FN_SELDOM int pbf_find_contact_with_field(const pbf_surface *s, pbf_real push, pbf_vec from,
-                                              pbf_vec x, pbf_contact *contact) {
+PBF_FN_NOINLINE int pbf_find_contact_with_field(const pbf_surface *s, pbf_real push, pbf_vec from,
+                                                pbf_vec x, pbf_contact *contact) {
   const pbf_vec way = pbf_sub(x, from);
   const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
   if (pbf_surface_is_beyond(s, from, length + s->skin)) return 0;
@@ -131,8 +131,8 @@ PBF_FN pbf_real pbf_push_of(const pbf_surface *s, int with_obstacle_motion) {
 /* Whether the surface has something against the way of a particle from `from` to x, and the plane
  * that it then stays before; what is found inside it takes out by as much as `push`. */
 template <class Surface>
-PBF_FN_APART int pbf_find_contact(const Surface *s, pbf_real push, int with_obstacle_motion,
-                                  pbf_vec from, pbf_vec x, pbf_contact *contact) {
+PBF_FN_HOST_NOINLINE int pbf_find_contact(const Surface *s, pbf_real push, int with_obstacle_motion,
+                                          pbf_vec from, pbf_vec x, pbf_contact *contact) {
   const pbf_vec start = pbf_way_start(s, with_obstacle_motion, from);
   if (pbf_surface_is_field(s)) return pbf_find_contact_with_field(s, push, start, x, contact);
   return pbf_surface_is_unbounded(s) ? pbf_find_contact_at(s, push, start, x, contact)
@@ -141,9 +141,9 @@ PBF_FN_APART int pbf_find_contact(const Surface *s, pbf_real push, int with_obst
 
 /* The same, where it is asked for seldom and from many places. */
 template <class Surface>
-PBF_FN_SELDOM int pbf_find_contact_seldom(const Surface *s, pbf_real push, int with_obstacle_motion,
-                                          const pbf_vec &from, const pbf_vec &x,
-                                          pbf_contact *contact) {
+PBF_FN_NOINLINE int pbf_find_contact_seldom(const Surface *s, pbf_real push,
+                                            int with_obstacle_motion, const pbf_vec &from,
+                                            const pbf_vec &x, pbf_contact *contact) {
   return pbf_find_contact(s, push, with_obstacle_motion, from, x, contact);
 }
 
@@ -329,7 +329,7 @@ PBF_FN bool pbf_push_off(const collision<Surfaces> &of, pbf_real part, pbf_real 
  * by a part of the push that takes it no farther along the other one than elsewhere. Where that
  * does not help it stays between them. */
 template <class Surfaces>
-PBF_FN_SELDOM pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
+PBF_FN_NOINLINE pbf_vec pbf_resolve_contacts(const collision<Surfaces> &of, pbf_vec x) {
   /* The nearest face says nothing of how it has come in: it would slip through what closes on it,
    * unless that has no other side. */
   const auto has_faces = [](const auto &s) { return !pbf_surface_is_unbounded(&s); };
@@ -390,7 +390,7 @@ PBF_FN pbf_vec pbf_resolve_collisions(const Obstacles &o, int with_obstacle_moti
 
 /* What is left of a move from x. */
 template <class Obstacles>
-PBF_FN_SELDOM pbf_vec pbf_move_past_obstacles(const Obstacles &o, pbf_vec x, pbf_vec move) {
+PBF_FN_NOINLINE pbf_vec pbf_move_past_obstacles(const Obstacles &o, pbf_vec x, pbf_vec move) {
   return pbf_sub(pbf_resolve_collisions(o, 0, x, pbf_add_scaled(x, 1, move)), x);
 }
 

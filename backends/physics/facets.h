@@ -51,8 +51,8 @@ PBF_FN pbf_real pbf_look_at_field(const pbf_surface *s, pbf_vec x, pbf_vec *norm
 
 /* The tangent plane nearest to x of what has such a normal at y, `distance` from there: seen from
  * its foot, as another point of what is curved has another normal. */
-PBF_FN_SELDOM pbf_facet pbf_facet_from(const pbf_surface *s, pbf_vec x, pbf_vec y,
-                                       pbf_real distance, pbf_vec normal) {
+PBF_FN_NOINLINE pbf_facet pbf_facet_from(const pbf_surface *s, pbf_vec x, pbf_vec y,
+                                         pbf_real distance, pbf_vec normal) {
   pbf_facet facet = {normal, distance - pbf_dot(pbf_sub(y, x), normal), 0};
   pbf_vec there;
   const pbf_vec foot = pbf_add_scaled(x, -facet.distance, normal);
@@ -108,8 +108,9 @@ PBF_FN void pbf_directions_across(pbf_vec normal, pbf_vec across[PBF_DIM - 1]) {
 }
 
 /* The planes nearest to y, which is x itself or another place. */
-PBF_FN_SELDOM void pbf_take_facets_at(const pbf_surface *s, pbf_vec x, pbf_vec y, pbf_real distance,
-                                      pbf_vec normal, int is_plane, int is_at, pbf_facets *facets) {
+PBF_FN_NOINLINE void pbf_take_facets_at(const pbf_surface *s, pbf_vec x, pbf_vec y,
+                                        pbf_real distance, pbf_vec normal, int is_plane, int is_at,
+                                        pbf_facets *facets) {
   if (is_plane) {
     const pbf_facet facet =
         is_at ? pbf_facet{normal, distance, 1} : pbf_facet_from(s, x, y, distance, normal);
@@ -129,8 +130,8 @@ PBF_FN_SELDOM void pbf_take_facets_at(const pbf_surface *s, pbf_vec x, pbf_vec y
 }
 
 /* Those within `reach` of x; `out` is as far as others are looked for. */
-PBF_FN_SELDOM void pbf_find_facets(const pbf_surface *s, pbf_real reach, pbf_real out, pbf_vec x,
-                                   pbf_facets *facets) {
+PBF_FN_NOINLINE void pbf_find_facets(const pbf_surface *s, pbf_real reach, pbf_real out, pbf_vec x,
+                                     pbf_facets *facets) {
   pbf_vec normal, at_x;
   int is_plane;
   facets->count = 0;

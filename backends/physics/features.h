@@ -54,21 +54,22 @@ static inline int pbf_features_of(const pbf_params *params) {
   return pbf_features_asked(params) & (PBF_FEATURE_COUNT - 1);
 }
 
-/* A function of the physics (IN: a struct's own): inlined on every processor; `APART`, large and
- * asked for from many places, on a device only; `SELDOM`, large and seldom called, nowhere.
+/* A function of the physics (IN: a struct's own): inlined on every processor; `HOST_NOINLINE`,
+ * large and asked for from many places, on a device only; `NOINLINE`, large and seldom called,
+ * nowhere.
  * UNROLLED is before a loop over arrays that are to be registers of a device. */
 #ifdef __CUDACC__
 enum { PBF_ON_GPU = 1 };
 #define PBF_IN __host__ __device__ __forceinline__
 #define PBF_FN static __host__ __device__ __forceinline__
-#define PBF_FN_APART PBF_FN
-#define PBF_FN_SELDOM static __host__ __device__ __noinline__ __attribute__((unused))
+#define PBF_FN_HOST_NOINLINE PBF_FN
+#define PBF_FN_NOINLINE static __host__ __device__ __noinline__ __attribute__((unused))
 #else
 enum { PBF_ON_GPU = 0 };
 #define PBF_IN inline __attribute__((always_inline))
 #define PBF_FN static inline __attribute__((always_inline, unused))
-#define PBF_FN_APART static inline __attribute__((noinline, unused))
-#define PBF_FN_SELDOM PBF_FN_APART
+#define PBF_FN_HOST_NOINLINE static inline __attribute__((noinline, unused))
+#define PBF_FN_NOINLINE PBF_FN_HOST_NOINLINE
 #endif
 #ifdef __CUDA_ARCH__
 #define PBF_UNROLLED _Pragma("unroll")

@@ -27,9 +27,9 @@ namespace {
 /* psi of a solid without others: 1 on it, 0 farther off than the reach. Over the width of a point's
  * cube its mean slope is that of a tent, which begins where cubes end that the solid cuts. */
 PBF_FN double grid_load_fall(double spacing, double width, double distance) {
-  const double half = 0.5 * pbf_lesser(width, spacing);
+  const double half = 0.5 * pbf_min(width, spacing);
   const double from = 0.5 * spacing + half, to = pbf_grid_load_reach(spacing) - half;
-  return pbf_greater(pbf_lesser((to - distance) / (to - from), 1), 0);
+  return pbf_max(pbf_min((to - distance) / (to - from), 1), 0);
 }
 
 template <class Obstacles>
@@ -91,9 +91,9 @@ PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, d
 
 /* Those of them that fluid is at; their number. */
 template <class Obstacles>
-PBF_FN_APART int find_grid_load_solids(const Obstacles &o, const grid_load_solids &near,
-                                       double spacing, pbf_vec x,
-                                       pbf_load_plane of[PBF_LOAD_PLANES]) {
+PBF_FN_HOST_NOINLINE int find_grid_load_solids(const Obstacles &o, const grid_load_solids &near,
+                                               double spacing, pbf_vec x,
+                                               pbf_load_plane of[PBF_LOAD_PLANES]) {
   int kept = 0;
   for (int k = 0; k < near.count; ++k)
     if (!is_hidden(o, near, k, spacing, x)) of[kept++] = near.of[k];
@@ -114,7 +114,7 @@ PBF_FN void grid_load_psi_at(const pbf_load_plane *of, int count, double spacing
   for (int k = 0; k < count; ++k) {
     const double distance = (double)of[k].distance + along * (double)of[k].normal.c[axis];
     const double fall = is_across(of[k], axis) ? grid_load_fall(spacing, width, distance) : 0;
-    const double weight = fall / pbf_greater(distance, 0.01 * spacing);
+    const double weight = fall / pbf_max(distance, 0.01 * spacing);
     psi[k] = fall * weight;
     sum += weight;
   }
@@ -123,7 +123,7 @@ PBF_FN void grid_load_psi_at(const pbf_load_plane *of, int count, double spacing
 
 /* What of a cube this wide around a place so deep is below the surface. */
 PBF_FN double part_below_surface(double depth, double width) {
-  return pbf_greater(pbf_lesser(0.5 + depth / width, 1), 0);
+  return pbf_max(pbf_min(0.5 + depth / width, 1), 0);
 }
 
 /* A pressure that is 1 from two spacings below the surface on, where that of the grid is p: means
@@ -137,7 +137,7 @@ PBF_FN double open_pressure(double p, const double slope[PBF_DIM], double spacin
   if (depth < least) depth += depth - least;
   const double part = part_below_surface(depth, width) - part_below_surface(depth - whole, width);
   for (int k = 0; k < PBF_DIM; ++k) open_slope[k] = size > 0 ? slope[k] / size * (part / whole) : 0;
-  return pbf_greater(pbf_lesser(depth / whole, 1), 0);
+  return pbf_max(pbf_min(depth / whole, 1), 0);
 }
 
 /* Calls take(plane, share) for each solid that the grid's pressure at a point x presses on, which
@@ -174,7 +174,7 @@ PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o,
 /* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
 PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
   const double points = (PBF_DIM == 2 ? 2 : 1) * ceil(1 / c->spacing - 1e-6);
-  return (int)pbf_greater(1, pbf_lesser(points, 32));
+  return (int)pbf_max(1, pbf_min(points, 32));
 }
 
 /* What a point stands for, in cells. */
@@ -195,7 +195,7 @@ PBF_FN grid_load_free grid_load_free_part(const Obstacles &o, const Near &near, 
   *at = x;
   each_solid_near(o, near, spacing, x, [&](int solid, pbf_real from, pbf_vec normal) {
     const double distance = (double)from;
-    const double part = pbf_greater(pbf_lesser(0.5 + distance / width, 1), 0);
+    const double part = pbf_max(pbf_min(0.5 + distance / width, 1), 0);
     free.all *= part;
     for (int k = 0; k < PBF_DIM; ++k)
       free.across[k] *= 1 - (1 - part) * (1 - (double)normal.c[k] * (double)normal.c[k]);

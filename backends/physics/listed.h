@@ -28,7 +28,7 @@ PBF_FN int next_in_cell(const pbf_surface_grid *grid, uint32_t cell, int last, i
 }
 
 /* … in any of the cells; -1: there is none. */
-PBF_FN_SELDOM int next_in_cells(const surfaces_in_cells &of, int last) {
+PBF_FN_NOINLINE int next_in_cells(const surfaces_in_cells &of, int last) {
   const pbf_cell_range &r = of.cells;
   const int levels = PBF_DIM == 3 ? r.last[PBF_DIM - 1] : 0, most = (int)PBF_MAX_COLLIDERS;
   int next = most;
@@ -95,9 +95,9 @@ struct surfaces_met_by {
 
 /* A way that touches one of them. Those that push a particle may push it to others, which push it
  * in turn: they are looked for until no more come in. */
-PBF_FN_SELDOM pbf_vec resolve_touched(const pbf_domain *domain, const pbf_surface *all,
-                                      const pbf_surface_grid *grid, int with_obstacle_motion,
-                                      pbf_vec from, pbf_vec x) {
+PBF_FN_NOINLINE pbf_vec resolve_touched(const pbf_domain *domain, const pbf_surface *all,
+                                        const pbf_surface_grid *grid, int with_obstacle_motion,
+                                        pbf_vec from, pbf_vec x) {
   const group_bounds bounds = bounds_of_way(from, x);
   surfaces_met_by met = {{}, &bounds, with_obstacle_motion, 0};
   pbf_real pushed = 0;
@@ -115,9 +115,9 @@ PBF_FN_SELDOM pbf_vec resolve_touched(const pbf_domain *domain, const pbf_surfac
 }
 
 /* The same for one that may meet some. */
-PBF_FN_SELDOM pbf_vec resolve_met(const pbf_domain *domain, const pbf_surface *all,
-                                  const pbf_surface_grid *grid, int with_obstacle_motion,
-                                  pbf_vec from, pbf_vec x, pbf_real way) {
+PBF_FN_NOINLINE pbf_vec resolve_met(const pbf_domain *domain, const pbf_surface *all,
+                                    const pbf_surface_grid *grid, int with_obstacle_motion,
+                                    pbf_vec from, pbf_vec x, pbf_real way) {
   surfaces_in_cells near = surfaces_around_way(all, grid, from, from, way);
   const pbf_vec kept = pbf_keep_before(domain, near, with_obstacle_motion, from, x);
   const pbf_real kept_way = way_along_axes(from, kept);

@@ -237,9 +237,9 @@ struct all_surfaces {
 
 /* Those within reach, of one solid after another; their number. */
 template <class Obstacles, class Near>
-PBF_FN_APART int find_load_planes(const pbf_constants *c, const Obstacles &o, const Near &near,
-                                  pbf_vec x, pbf_real reach,
-                                  pbf_load_plane planes[PBF_LOAD_PLANES]) {
+PBF_FN_HOST_NOINLINE int find_load_planes(const pbf_constants *c, const Obstacles &o,
+                                          const Near &near, pbf_vec x, pbf_real reach,
+                                          pbf_load_plane planes[PBF_LOAD_PLANES]) {
   int count = 0;
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
     if (pbf_wall_distance(&o.domain, wall, x) < reach)
@@ -290,8 +290,8 @@ PBF_FN void solve_system(load_system *s) {
 
 /* The nearest of all planes, where none is within reach of what has been pushed. */
 template <class Obstacles>
-PBF_FN_SELDOM pbf_load_plane nearest_load_plane(const pbf_constants *c, const Obstacles &o,
-                                                pbf_vec x) {
+PBF_FN_NOINLINE pbf_load_plane nearest_load_plane(const pbf_constants *c, const Obstacles &o,
+                                                  pbf_vec x) {
   pbf_load_plane nearest = load_plane_of_wall(c, &o.domain, 0, x);
   for (int wall = 1; wall < 2 * PBF_DIM; ++wall) {
     const pbf_load_plane p = load_plane_of_wall(c, &o.domain, wall, x);

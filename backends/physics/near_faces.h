@@ -45,8 +45,9 @@ PBF_FN pbf_real pbf_part_before_face(const pbf_constants *c, const pbf_near_face
   return part + (1 - part) * straight * pbf_real_min(rise / least, 1);
 }
 
-PBF_FN_APART pbf_real pbf_part_before_faces(const pbf_constants *c, const pbf_near_faces *faces,
-                                            pbf_real distance, pbf_vec normal) {
+PBF_FN_HOST_NOINLINE pbf_real pbf_part_before_faces(const pbf_constants *c,
+                                                    const pbf_near_faces *faces, pbf_real distance,
+                                                    pbf_vec normal) {
   pbf_real part = 1;
   for (int k = 0; k < faces->count; ++k)
     part = pbf_real_min(part, pbf_part_before_face(c, &faces->of[k], distance, normal));
@@ -60,7 +61,7 @@ PBF_FN int pbf_is_behind_face(const pbf_near_face *face, const pbf_near_face *ne
 
 /* Puts a face among the others, nearest first, without those that lie behind others: of solids of
  * several boxes those within. */
-PBF_FN_APART void pbf_put_face(const pbf_near_face *face, pbf_near_faces *faces) {
+PBF_FN_HOST_NOINLINE void pbf_put_face(const pbf_near_face *face, pbf_near_faces *faces) {
   int at = 0;
   for (; at < faces->count && faces->of[at].distance <= face->distance; ++at)
     if (pbf_is_behind_face(face, &faces->of[at])) return;

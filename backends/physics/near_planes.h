@@ -17,8 +17,8 @@ PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real d
 
 /* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
 template <class Visit>
-PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                   pbf_vec x, pbf_real reach, Visit visit) {
+PBF_FN_NOINLINE void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                     pbf_vec x, pbf_real reach, Visit visit) {
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);
   for (int k = 0; k < facets.count; ++k)
@@ -28,8 +28,9 @@ PBF_FN_SELDOM void pbf_visit_field(const pbf_constants *c, const pbf_surface *s,
 
 /* The same with what others leave of each, put among the planes of others. */
 template <class Each>
-PBF_FN_SELDOM void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                  pbf_vec x, pbf_real reach, Each each, pbf_field_planes *planes) {
+PBF_FN_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                    pbf_vec x, pbf_real reach, Each each,
+                                    pbf_field_planes *planes) {
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);
   for (int k = 0; k < facets.count; ++k) {
@@ -88,8 +89,8 @@ PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, 
 }
 
 /* The domain's walls, too, leave of edges what rises from them. */
-PBF_FN_APART void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
-                                 pbf_near_faces *faces) {
+PBF_FN_HOST_NOINLINE void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain,
+                                         pbf_vec x, pbf_near_faces *faces) {
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
     pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall};
     face.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
@@ -99,8 +100,8 @@ PBF_FN_APART void pbf_put_domain(const pbf_constants *c, const pbf_domain *domai
 
 /* Visits the planes of fields, and drops flat faces behind them. */
 template <class Visit>
-PBF_FN_SELDOM void pbf_visit_field_planes(const pbf_constants *c, const pbf_field_planes *planes,
-                                          pbf_near_faces *faces, Visit visit) {
+PBF_FN_NOINLINE void pbf_visit_field_planes(const pbf_constants *c, const pbf_field_planes *planes,
+                                            pbf_near_faces *faces, Visit visit) {
   for (int k = 0; k < planes->count; ++k) {
     const pbf_near_face *face = &planes->of[k].face;
     const pbf_real part = planes->of[k].part * pbf_part_not_behind(c, face, planes, faces);

@@ -160,8 +160,8 @@ PBF_FN void find_no_slip_surfaces(const pbf_constants *c, const Obstacles &o, co
 
 /* All within reach of x. */
 template <class Obstacles, class NoSlip>
-PBF_FN_APART no_slip_planes find_no_slip_planes(const pbf_constants *c, const Obstacles &o,
-                                                const NoSlip &n, pbf_vec x) {
+PBF_FN_HOST_NOINLINE no_slip_planes find_no_slip_planes(const pbf_constants *c, const Obstacles &o,
+                                                        const NoSlip &n, pbf_vec x) {
   no_slip_planes planes;
   planes.count = 0;
   const int near_walls = n.walls > 0 && pbf_domain_distance(&o.domain, x) < c->h;

@@ -15,7 +15,7 @@
 /* Not on GPUs so far, where it has not been run: docs/notes/walls.md. */
 enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
 
-PBF_FN_SELDOM pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
+PBF_FN_NOINLINE pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   return pbf_nearest_distance(s, y, (pbf_real)INFINITY, normal);
 }
 
@@ -45,7 +45,7 @@ PBF_FN pbf_real pbf_clamped(pbf_real part) { return pbf_real_min(pbf_real_max(pa
 
 /* Whether both have one plane some way in from the seam. Edges that are rounded off lean over to
  * it. */
-PBF_FN_SELDOM int pbf_find_common_plane(const pbf_seam *seam, pbf_vec x, pbf_facet *common) {
+PBF_FN_NOINLINE int pbf_find_common_plane(const pbf_seam *seam, pbf_vec x, pbf_facet *common) {
   pbf_vec over = pbf_sub(seam->normal, seam->other_normal);
   const pbf_real lean = pbf_real_sqrt(pbf_dot(over, over));
   /* At a crossing of two seams a cell from each. */
@@ -60,7 +60,7 @@ PBF_FN_SELDOM int pbf_find_common_plane(const pbf_seam *seam, pbf_vec x, pbf_fac
 
 /* Whether the other one is before x where both have one plane: exactly one of them is. A box is if
  * x is before a face of it, and of fields the nearer one. */
-PBF_FN_SELDOM int pbf_is_other_before(const pbf_seam *seam, pbf_vec x) {
+PBF_FN_NOINLINE int pbf_is_other_before(const pbf_seam *seam, pbf_vec x) {
   if (!pbf_surface_is_field(seam->of)) return 1;
   pbf_vec normal;
   if (!pbf_surface_is_field(seam->other)) {
@@ -90,7 +90,8 @@ PBF_FN int pbf_may_be_beside(const pbf_seam *seam, pbf_vec x, const pbf_facet *s
 
 /* Sets that place. So near to a seam both lean over to each other, and the way out is between. 0:
  * the other one is not near. */
-PBF_FN_SELDOM int pbf_place_seam(pbf_seam *seam, pbf_vec x, pbf_real reach, const pbf_facet *seen) {
+PBF_FN_NOINLINE int pbf_place_seam(pbf_seam *seam, pbf_vec x, pbf_real reach,
+                                   const pbf_facet *seen) {
   /* Whether others are asked that are near something else must not show. */
   if (!(pbf_look_at_surface(seam->other, x, &seam->other_normal) < reach)) return 0;
   pbf_vec out = seen->normal;
@@ -112,7 +113,7 @@ PBF_FN pbf_real pbf_part_out_of_other(const pbf_seam *seam, const pbf_facet *see
 
 /* How far a plane goes on out of the other surface, as the floor of a corner does from the wall: an
  * edge that lies flush is seen there at half of the angle. */
-PBF_FN_SELDOM pbf_real pbf_part_going_on(const pbf_seam *seam, pbf_real facing) {
+PBF_FN_NOINLINE pbf_real pbf_part_going_on(const pbf_seam *seam, pbf_real facing) {
   pbf_vec normal;
   const pbf_vec y = pbf_add_scaled(seam->before, seam->cell, seam->other_normal);
   pbf_look_at_surface(seam->of, y, &normal);
@@ -123,8 +124,8 @@ PBF_FN_SELDOM pbf_real pbf_part_going_on(const pbf_seam *seam, pbf_real facing) 
 
 /* The part of a plane that the other surface leaves, if that is within reach of x; *plane becomes
  * the one that both have. */
-PBF_FN_SELDOM pbf_real pbf_part_beside(pbf_seam seam, pbf_vec x, pbf_real reach,
-                                       const pbf_facet *seen, pbf_facet *plane) {
+PBF_FN_NOINLINE pbf_real pbf_part_beside(pbf_seam seam, pbf_vec x, pbf_real reach,
+                                         const pbf_facet *seen, pbf_facet *plane) {
   if (!pbf_place_seam(&seam, x, reach, seen)) return 1;
   seam.distance = pbf_look_at_surface(seam.of, seam.before, &seam.normal);
   seam.other_distance = pbf_look_at_surface(seam.other, seam.before, &seam.other_normal);
@@ -154,7 +155,7 @@ typedef struct pbf_beside {
   pbf_facet seen, plane;
 } pbf_beside;
 
-PBF_FN_SELDOM void pbf_look_beside(pbf_beside *b, const pbf_surface *other, int number) {
+PBF_FN_NOINLINE void pbf_look_beside(pbf_beside *b, const pbf_surface *other, int number) {
   if (number == b->seam.number || !(b->part > 0)) return;
   b->seam.other = other, b->seam.other_number = number;
   b->seam.cell = pbf_real_max(b->cell, pbf_cell_of(other));
@@ -197,8 +198,8 @@ typedef struct pbf_field_planes {
   pbf_field_plane of[PBF_FIELD_PLANES];
 } pbf_field_planes;
 
-PBF_FN_SELDOM void pbf_put_field_plane(pbf_near_face face, pbf_real part,
-                                       pbf_field_planes *planes) {
+PBF_FN_NOINLINE void pbf_put_field_plane(pbf_near_face face, pbf_real part,
+                                         pbf_field_planes *planes) {
   if (!(part > 0)) return;
   int at = planes->count;
   if (at < PBF_FIELD_PLANES) {
@@ -221,9 +222,9 @@ PBF_FN int pbf_is_plane_inside(const pbf_constants *c, const pbf_near_face *plan
 }
 
 /* The part of a plane that is not inside. */
-PBF_FN_SELDOM pbf_real pbf_part_not_behind(const pbf_constants *c, const pbf_near_face *plane,
-                                           const pbf_field_planes *planes,
-                                           const pbf_near_faces *faces) {
+PBF_FN_NOINLINE pbf_real pbf_part_not_behind(const pbf_constants *c, const pbf_near_face *plane,
+                                             const pbf_field_planes *planes,
+                                             const pbf_near_faces *faces) {
   pbf_real part = 1;
   for (int k = 0; k < planes->count; ++k)
     if (pbf_is_plane_inside(c, plane, &planes->of[k].face))

@@ -41,7 +41,7 @@ static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
                                storage->free_volumes, storage->depths, node, right, inverse);
     if (storage->topology.is_active && storage->topology.torn[node]) *inverse = 0;
     if (*inverse > 0) *right += pbf_pressure_grid_moves_at(storage, source_scale, node);
-    if (*inverse > 0) largest = pbf_greater(largest, fabs(*right));
+    if (*inverse > 0) largest = pbf_max(largest, fabs(*right));
   }
   return largest;
 }
@@ -51,9 +51,9 @@ static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
                                            const pbf_pressure_grid_solve *solve) {
   double miss = 0;
   for (uint32_t torn = 0; torn < pbf_pressure_grid_torn_count(&storage->topology); ++torn)
-    miss = pbf_greater(miss,
-                       pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
-                                                    storage->free_volumes, storage->lambda, torn));
+    miss =
+        pbf_max(miss, pbf_pressure_grid_relax_torn(&storage->grid, &storage->topology, solve,
+                                                   storage->free_volumes, storage->lambda, torn));
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double now = storage->lambda[node], *before = &storage->before[node];
     if (!(storage->inverse[node] > 0)) continue;
@@ -62,7 +62,7 @@ static inline double pressure_grid_iterate(pbf_pressure_grid_storage *storage,
     const double surface = pbf_pressure_grid_surface_of(around, storage->inverse[node]);
     double residual = pbf_pressure_grid_residual(&storage->grid, around, storage->lambda,
                                                  storage->right[node], surface, node);
-    miss = pbf_greater(miss, pbf_pressure_grid_miss(residual, now));
+    miss = pbf_max(miss, pbf_pressure_grid_miss(residual, now));
     *before = pbf_pressure_grid_next(solve, residual, storage->inverse[node], now, *before);
   }
   pbf_pressure_grid_swap(storage);

@@ -23,7 +23,7 @@ PBF_FN L rotation_weight(const pbf_constants *c, L r2) {
 /* The rate of rotation of pairs with these sums of weight x_k x_m that gives them a torque: in
  * three dimensions (trace - moments) rate = torque, by Cramer's rule. A pair alone cannot be
  * rotated about its own axis: a few roundings are added to the diagonal. */
-PBF_FN_APART pbf_curl rotation_rate(const pbf_real moments[PBF_MOMENTS], pbf_curl torque) {
+PBF_FN_HOST_NOINLINE pbf_curl rotation_rate(const pbf_real moments[PBF_MOMENTS], pbf_curl torque) {
   pbf_curl rate = {{0}};
 #if PBF_DIM == 2
   pbf_real inertia = moments[0] + moments[2];

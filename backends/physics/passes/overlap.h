@@ -44,9 +44,9 @@ struct placed_density_pass {
 /* The density that placed surfaces contribute at x, or `all`, as they stood `before` the step or
  * after it; `more` is for those that have no bit in `found`. */
 template <class Obstacles>
-PBF_FN_APART pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o,
-                                      const pbf_overlap &found, const uint64_t *more, pbf_vec x,
-                                      int before, bool all) {
+PBF_FN_HOST_NOINLINE pbf_real placed_boundary(const pbf_constants *c, const Obstacles &o,
+                                              const pbf_overlap &found, const uint64_t *more,
+                                              pbf_vec x, int before, bool all) {
   pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
   if (found.walls || all) boundary = pbf_boundary_of_domain(c, &o.domain, x);
   const auto placed = [&](auto visit) {

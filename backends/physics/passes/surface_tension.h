@@ -87,7 +87,8 @@ struct surface_tension_pass {
 /* The density that solids contribute at x, walls that have ghosts included, for which these are
  * not needed. */
 template <class Obstacles>
-PBF_FN_APART pbf_real pbf_density_of_solids(const pbf_constants *c, const Obstacles &o, pbf_vec x) {
+PBF_FN_HOST_NOINLINE pbf_real pbf_density_of_solids(const pbf_constants *c, const Obstacles &o,
+                                                    pbf_vec x) {
   pbf_domain walls = o.domain;
   walls.ghost_reach = 0;
   pbf_boundary boundary = pbf_boundary_of_domain(c, &walls, x);

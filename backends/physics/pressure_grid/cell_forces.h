@@ -20,7 +20,7 @@ PBF_FN int64_t pbf_cell_move_entry(const pbf_pressure_grid *c, pbf_real velocity
                                    pbf_real acceleration) {
   const double accelerated = c->accelerated * (double)acceleration;
   const double move = accelerated + c->drag * (c->move * (double)velocity - accelerated);
-  return (int64_t)(pbf_greater(pbf_lesser(move, PBF_CELL_MOVE_MAX), -PBF_CELL_MOVE_MAX) *
+  return (int64_t)(pbf_max(pbf_min(move, PBF_CELL_MOVE_MAX), -PBF_CELL_MOVE_MAX) *
                    PBF_CELL_MOVE_UNIT);
 }
 

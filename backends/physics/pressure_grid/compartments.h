@@ -268,7 +268,7 @@ PBF_FN int pbf_compartment_middle(const pbf_pressure_grid *c, const pbf_pressure
     if (!cut && !(merged > 0)) continue;
     double moment = cut ? pbf_volume_part(t, compartment, 1 + k) : inside * 0.5 * (1 + middle[k]);
     moment += pbf_merged_part(t, compartment, 1 + k);
-    middle[k] = 2 * moment / pbf_greater(free_volume, 1e-9) - 1;
+    middle[k] = 2 * moment / pbf_max(free_volume, 1e-9) - 1;
   }
   return 1;
 }

@@ -106,7 +106,7 @@ PBF_FN double pbf_datum_lambda_at_end(const pbf_pressure_datum *d, uint32_t comp
     middle[k] = ((double)(d->places[compartment] >> 21 * k & 0x1fffff) / count + 0.2) / 128;
   for (int k = 0; k < PBF_DIM; ++k) {
     const int falls = pbf_pressure_grid_in_cell(values, middle, k) > 0;
-    end[k] = falls ? pbf_lesser(2 * middle[k], 1) : pbf_greater(2 * middle[k] - 1, 0);
+    end[k] = falls ? pbf_min(2 * middle[k], 1) : pbf_max(2 * middle[k] - 1, 0);
   }
   return pbf_pressure_grid_in_cell(values, end, PBF_DIM);
 }
@@ -129,7 +129,7 @@ PBF_FN void pbf_datum_note(const pbf_pressure_datum *d, uint32_t compartment) {
   if (solved < PBF_CORNERS && free_volume >= PBF_PRESSURE_GRID_OPENING) least = 0;
   if (solved == PBF_CORNERS &&
       pbf_pressure_grid_is_filled(d->grid, d->sums[compartment], free_volume))
-    least = pbf_greater(-pbf_datum_lambda_at_end(d, compartment, values), 0);
+    least = pbf_max(-pbf_datum_lambda_at_end(d, compartment, values), 0);
   if (least >= 0) pbf_lower_to(&d->least[pbf_body_of(d->bodies, body)], pbf_bits_of(least));
 }
 

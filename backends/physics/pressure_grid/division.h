@@ -65,8 +65,9 @@ PBF_FN int pbf_way_is_open(const pbf_pressure_grid *c, const Topology *t, pbf_ve
 
 /* Which compartments of a cell are connected with which of the next one along the axis. */
 template <class Topology>
-PBF_FN_APART uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
-                                      uint32_t next, const int i[PBF_DIM], int axis) {
+PBF_FN_HOST_NOINLINE uint64_t pbf_links_along(const pbf_pressure_grid *c, const Topology *t,
+                                              uint32_t cell, uint32_t next, const int i[PBF_DIM],
+                                              int axis) {
   const int stride = pbf_sample_stride(axis);
   uint64_t links = 0;
   for (int p = 0; p < 64; ++p) {
@@ -107,9 +108,9 @@ PBF_FN void pbf_link_cell(const pbf_pressure_grid *c, const Topology *t, uint32_
 
 /* The largest compartment that compartment k of a cell is open to, of those that have a quarter
  * more than `volume`; PBF_NO_INDEX: none. */
-PBF_FN_APART uint32_t pbf_larger_neighbor(const pbf_pressure_grid *c,
-                                          const pbf_pressure_grid_topology *t, uint32_t cell, int k,
-                                          double volume) {
+PBF_FN_HOST_NOINLINE uint32_t pbf_larger_neighbor(const pbf_pressure_grid *c,
+                                                  const pbf_pressure_grid_topology *t,
+                                                  uint32_t cell, int k, double volume) {
   uint32_t largest = PBF_NO_INDEX;
   double largest_free = 1.25 * volume;
   int i[PBF_DIM];

@@ -41,8 +41,8 @@
 /* Nodes that are at least so many cells below the surface are not in the open. */
 #define PBF_PRESSURE_GRID_SURFACE 0.001
 
-PBF_FN double pbf_lesser(double a, double b) { return a < b ? a : b; }
-PBF_FN double pbf_greater(double a, double b) { return a > b ? a : b; }
+PBF_FN double pbf_min(double a, double b) { return a < b ? a : b; }
+PBF_FN double pbf_max(double a, double b) { return a > b ? a : b; }
 
 enum { PBF_CORNERS = 1 << PBF_DIM };
 
@@ -202,14 +202,14 @@ PBF_FN void pbf_pressure_grid_place(const pbf_pressure_grid *c, uint32_t index, 
 
 /* How many cells inside lie before x, along an axis, … */
 PBF_FN double pbf_pressure_grid_before(const pbf_pressure_grid *c, int axis, pbf_real x) {
-  return pbf_greater(((double)x - c->lower[axis]) * c->per_width, 0);
+  return pbf_max(((double)x - c->lower[axis]) * c->per_width, 0);
 }
 
 /* … the index of the cell that holds it, and where x is in that. */
 PBF_FN uint32_t pbf_pressure_grid_index(const pbf_pressure_grid *c, int axis, double before,
                                         double *at) {
-  int i = (int)pbf_lesser(before, c->n[axis] - 1);
-  *at = pbf_lesser(before - i, 1);
+  int i = (int)pbf_min(before, c->n[axis] - 1);
+  *at = pbf_min(before - i, 1);
   return (uint32_t)(i + 1);
 }
 
@@ -226,11 +226,11 @@ PBF_FN uint32_t pbf_pressure_grid_cell(const pbf_pressure_grid *c, pbf_vec x, do
  * thrown apart here as in the iterations. The sum of integers is the same in any order. Room counts
  * where it is a ripple, not where fluid ends. */
 PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_real overlap) {
-  double error = pbf_lesser((double)(density - target), 1);
+  double error = pbf_min((double)(density - target), 1);
   if (error > 0)
-    error = pbf_greater(error - (double)overlap, 0);
+    error = pbf_max(error - (double)overlap, 0);
   else
-    error *= pbf_greater(0, 1 + 10 * error);
+    error *= pbf_max(0, 1 + 10 * error);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }
 
@@ -240,7 +240,7 @@ PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_re
 PBF_FN int64_t pbf_pressure_grid_place_entry(const double at[PBF_DIM]) {
   int64_t entry = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k)
-    entry = (entry << 21) + (int)(pbf_greater(pbf_lesser(at[k], 1), 0) * 128 + 0.3);
+    entry = (entry << 21) + (int)(pbf_max(pbf_min(at[k], 1), 0) * 128 + 0.3);
   return entry;
 }
 
@@ -267,7 +267,7 @@ PBF_FN double pbf_pressure_grid_in_cell(const double values[PBF_CORNERS], const 
 
 PBF_FN double pbf_pressure_grid_deepest(const double values[PBF_CORNERS]) {
   double deepest = 0;
-  for (int a = 0; a < PBF_CORNERS; ++a) deepest = pbf_lesser(deepest, values[a]);
+  for (int a = 0; a < PBF_CORNERS; ++a) deepest = pbf_min(deepest, values[a]);
   return deepest;
 }
 
@@ -283,8 +283,8 @@ PBF_FN pbf_vec pbf_pressure_grid_correction_from(const pbf_pressure_grid *c,
     slope[k] = pbf_pressure_grid_in_cell(values, at, k);
     slope2 += slope[k] * slope[k];
   }
-  const double fades = pbf_lesser(1 - 4 * above / sqrt(slope2), 1);
-  const double scale = any * c->width * pbf_greater(fades, 0);
+  const double fades = pbf_min(1 - 4 * above / sqrt(slope2), 1);
+  const double scale = any * c->width * pbf_max(fades, 0);
   pbf_vec u;
   for (int k = 0; k < PBF_DIM; ++k) u.c[k] = (pbf_real)(scale * slope[k]);
   return u;
@@ -318,7 +318,7 @@ PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf
   pbf_vec normal;
   const pbf_real enough = (pbf_real)(0.5 * c->width);
   const double distance = (double)pbf_nearest_distance(s, middle, enough, &normal);
-  return pbf_lesser(pbf_greater(0.5 + distance / c->width, 0), 1);
+  return pbf_min(pbf_max(0.5 + distance / c->width, 0), 1);
 }
 
 namespace {
@@ -374,11 +374,11 @@ typedef struct pbf_pressure_grid_source_scale {
  * not where the fluid is. */
 PBF_FN double pbf_pressure_grid_part(const pbf_pressure_grid *c, double error, double fastest) {
   double cell = c->error * fastest;
-  double left = pbf_greater(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
-  left = pbf_lesser(left, pbf_greater(c->max_left * error, c->left_cells * cell));
-  left = pbf_greater(left, cell * pbf_lesser(36 * fastest, 1));
+  double left = pbf_max(PBF_DEPTH_LEFT, PBF_DEPTH_SHARE * (error - PBF_DEPTH_FROM));
+  left = pbf_min(left, pbf_max(c->max_left * error, c->left_cells * cell));
+  left = pbf_max(left, cell * pbf_min(36 * fastest, 1));
   if (!(error > left && fastest < 0.5)) return 0;
-  return (1 - left / error) * pbf_lesser(1, 2 - 4 * fastest);
+  return (1 - left / error) * pbf_min(1, 2 - 4 * fastest);
 }
 
 /* Errors go as fast as the fluid could fall through its depth: a faster share throws it up, a
@@ -391,9 +391,9 @@ pbf_pressure_grid_source_scale_of(const pbf_pressure_grid *c, const pbf_pressure
     int last = (int)e->above[k], first = c->n[k] + 1 - (int)e->below[k], cells = last + 1 - first;
     if (cells <= 0) return source_scale;
     double push =
-        pbf_greater(fabs(c->push[k] + c->pull[k] * first), fabs(c->push[k] + c->pull[k] * last));
+        pbf_max(fabs(c->push[k] + c->pull[k] * first), fabs(c->push[k] + c->pull[k] * last));
     head += cells * push;
-    fastest = pbf_greater(fastest, push);
+    fastest = pbf_max(fastest, push);
     if (cells >= source_scale.longest) source_scale.longest = cells + 1;
   }
   source_scale.part = pbf_pressure_grid_part(c, c->error * head, fastest);

@@ -31,7 +31,7 @@ PBF_FN void pbf_pressure_grid_add_cell(const pbf_pressure_grid *c,
   }
   all->free_volume += free_volumes[cell];
   all->sum += source_scale->share / PBF_CORNERS *
-                  pbf_lesser(pbf_pressure_grid_error(c, sums[cell]), free_volumes[cell]) +
+                  pbf_min(pbf_pressure_grid_error(c, sums[cell]), free_volumes[cell]) +
               free_volumes[cell] * divergence * 2 / PBF_CORNERS;
 }
 

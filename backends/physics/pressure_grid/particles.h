@@ -79,8 +79,8 @@ PBF_FN int pbf_sample_period(const pbf_pressure_grid *c, int axis, int *point) {
 
 /* The compartment of the nearest point that no solid hides from x; PBF_NO_INDEX: none is near. */
 template <class Topology>
-PBF_FN_APART uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
-                                              pbf_vec x, const double before[PBF_DIM]) {
+PBF_FN_HOST_NOINLINE uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c, const Topology *t,
+                                                      pbf_vec x, const double before[PBF_DIM]) {
   const uint32_t here = pbf_compartment_at_point(c, t, before);
   if (here != PBF_NO_INDEX) return here;
   const pbf_solids_beside beside = pbf_find_solids_beside(c, t, x);
@@ -149,7 +149,7 @@ PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c,
                                        uint32_t compartment, const double at[PBF_DIM]) {
   double values[PBF_CORNERS];
   pbf_pressure_grid_corners(c, t, lambda, compartment, values);
-  return c->width * c->width * pbf_lesser(pbf_pressure_grid_in_cell(values, at, PBF_DIM), 0);
+  return c->width * c->width * pbf_min(pbf_pressure_grid_in_cell(values, at, PBF_DIM), 0);
 }
 
 /* And its slope: means over a cube around the place, so many cells wide, of which a part may be
@@ -168,7 +168,7 @@ PBF_FN double pbf_pressure_grid_lambda_sloped(const pbf_pressure_grid *c,
     slope2 += slope[k] * slope[k];
   }
   const double across = sqrt(slope2) * cube;
-  const double part = across > 0 ? pbf_greater(pbf_lesser(0.5 - value / across, 1), 0) : 1;
+  const double part = across > 0 ? pbf_max(pbf_min(0.5 - value / across, 1), 0) : 1;
   for (int k = 0; k < PBF_DIM; ++k) slope[k] *= c->width * part;
   return c->width * c->width * (part < 1 ? -0.5 * across * part * part : value);
 }

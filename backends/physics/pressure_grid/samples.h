@@ -77,8 +77,8 @@ typedef struct pbf_cell_points {
 
 /* A way is free of a solid that is farther from both its ends together than it is long. */
 template <class Surface>
-PBF_FN_APART void pbf_cell_points_around(const pbf_pressure_grid *c, const Surface *s,
-                                         const int i[PBF_DIM], pbf_cell_points *points) {
+PBF_FN_HOST_NOINLINE void pbf_cell_points_around(const pbf_pressure_grid *c, const Surface *s,
+                                                 const int i[PBF_DIM], pbf_cell_points *points) {
   const float spacing = (float)(c->width / PBF_SAMPLES);
   float distances[64];
   int at[PBF_DIM];
@@ -121,8 +121,8 @@ PBF_FN void pbf_cell_points_within(const pbf_pressure_grid *c, const pbf_domain 
 }
 
 template <class Topology>
-PBF_FN_APART void pbf_find_cell_points(const pbf_pressure_grid *c, const Topology *t,
-                                       const int i[PBF_DIM], pbf_cell_points *points) {
+PBF_FN_HOST_NOINLINE void pbf_find_cell_points(const pbf_pressure_grid *c, const Topology *t,
+                                               const int i[PBF_DIM], pbf_cell_points *points) {
   const pbf_vec middle = pbf_cell_middle(c, i);
   const double reach = pbf_cell_reach(c) + c->width / PBF_SAMPLES;
   const pbf_topology_near near = pbf_topology_near_of(t, middle, reach);

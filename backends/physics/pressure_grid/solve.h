@@ -42,7 +42,7 @@ PBF_FN void pbf_pressure_grid_solve_go_on(pbf_pressure_grid_solve *s, int k) {
 /* lambda of a node that is not in the open, after an iteration. */
 PBF_FN double pbf_pressure_grid_next(const pbf_pressure_grid_solve *s, double residual,
                                      double inverse, double now, double before) {
-  return pbf_lesser(s->weight * (now + s->step * residual * inverse - before) + before, 0);
+  return pbf_min(s->weight * (now + s->step * residual * inverse - before) + before, 0);
 }
 
 /* Whether an iteration looks if it may be the last. */
@@ -107,7 +107,7 @@ PBF_FN pbf_pressure_grid_column pbf_pressure_grid_column_at(const pbf_pressure_g
 
 /* Cells between a node inside and the surface, on the way to the next one, which is not. */
 PBF_FN double pbf_pressure_grid_above(const double *depths, int64_t node, int64_t next) {
-  return depths[node] / pbf_greater(depths[node] - depths[next], depths[node]);
+  return depths[node] / pbf_max(depths[node] - depths[next], depths[node]);
 }
 
 /* And above the last of so many nodes inside of a column of `top`. */

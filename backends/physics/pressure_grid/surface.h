@@ -47,9 +47,9 @@ PBF_FN void pbf_pressure_grid_add_filling(const pbf_pressure_grid *c,
  * cell are in the open. */
 PBF_FN double pbf_pressure_grid_depth(const pbf_pressure_grid_filling *all) {
   if (all->free_volume < 0.1) return -1;
-  double part = pbf_greater(pbf_lesser(all->filled / all->free_volume, 1), 0);
+  double part = pbf_max(pbf_min(all->filled / all->free_volume, 1), 0);
   double depth = part < 0.5 ? sqrt(2 * part) - 1 : 1 - sqrt(2 - 2 * part);
-  return all->any ? depth : pbf_lesser(depth, 0);
+  return all->any ? depth : pbf_min(depth, 0);
 }
 
 /* Of the i-th node along each axis. */
@@ -109,7 +109,7 @@ PBF_FN void pbf_pressure_grid_add_slope(const pbf_pressure_grid *c,
 /* Lambda of a node in the open at `depth`: as it would go on. */
 PBF_FN double pbf_pressure_grid_beyond(const pbf_pressure_grid_slope *slope, double depth) {
   if (!(slope->square > 0)) return 0;
-  return pbf_greater(depth * slope->product / slope->square, 0);
+  return pbf_max(depth * slope->product / slope->square, 0);
 }
 
 /* Once the solution is known, of an ordinary node in the open. */

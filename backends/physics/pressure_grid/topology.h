@@ -70,9 +70,9 @@ PBF_FN int pbf_wraps_around(const pbf_pressure_grid *c, const pbf_node_cells *ar
 
 /* Marks each compartment around a node with the lowest number of those that it is connected with:
  * compartment k of the cell of which the node is corner a has PBF_COMPARTMENTS a + k. */
-PBF_FN_APART void pbf_connect_around_node(const pbf_pressure_grid_topology *t,
-                                          const pbf_node_cells *around,
-                                          uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS]) {
+PBF_FN_HOST_NOINLINE void pbf_connect_around_node(const pbf_pressure_grid_topology *t,
+                                                  const pbf_node_cells *around,
+                                                  uint8_t marks[PBF_CORNERS * PBF_COMPARTMENTS]) {
   for (int m = 0; m < PBF_CORNERS * PBF_COMPARTMENTS; ++m) marks[m] = (uint8_t)m;
   for (int changes = 1; changes;) {
     changes = 0;

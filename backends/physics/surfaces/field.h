@@ -110,8 +110,8 @@ typedef struct pbf_field_nearest {
   pbf_vec slope;
 } pbf_field_nearest;
 
-PBF_FN_SELDOM pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf_vec at,
-                                                     pbf_vec *beyond, pbf_real *beyond2) {
+PBF_FN_NOINLINE pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf_vec at,
+                                                       pbf_vec *beyond, pbf_real *beyond2) {
   pbf_field_nearest nearest;
   pbf_vec place;
   *beyond2 = 0;
@@ -135,7 +135,7 @@ PBF_FN pbf_vec pbf_field_place(const pbf_surface *s, pbf_vec p) {
 
 /* The normal, and how steep the distance is along it: 1 where one plane is nearest to all around,
  * less where several are to parts of it. */
-PBF_FN_SELDOM pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
+PBF_FN_NOINLINE pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
   pbf_real steepness = pbf_real_sqrt(pbf_dot(slope, slope));
   if (!(steepness > 0)) slope.c[0] = steepness = 1;
   for (int row = 0; row < PBF_DIM; ++row) slope.c[row] /= steepness;
@@ -147,7 +147,7 @@ PBF_FN_SELDOM pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf
 }
 
 /* The distance of p, which counts from the center, or what it is at least. */
-PBF_FN_SELDOM pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
+PBF_FN_NOINLINE pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
   pbf_vec beyond;
   pbf_real beyond2;
   pbf_field_nearest nearest = pbf_field_nearest_to(s, pbf_field_place(s, p), &beyond, &beyond2);
@@ -160,8 +160,8 @@ PBF_FN_SELDOM pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf_v
 /* Past the grid: what is nearest to its border is about nearest there, too, or the plane that it is
  * on, if that goes on to there. The plane is never the farther one: which of both it is need not be
  * known where even the plane is farther than `enough`. */
-PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
-                                   pbf_real enough, pbf_field_nearest *nearest) {
+PBF_FN_NOINLINE void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
+                                     pbf_real enough, pbf_field_nearest *nearest) {
   pbf_vec foot, way, ignored;
   pbf_real ignored2, steepness = pbf_real_sqrt(pbf_dot(nearest->slope, nearest->slope));
   if (!(steepness > 0)) steepness = 1;
@@ -184,8 +184,8 @@ PBF_FN_SELDOM void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec bey
 
 /* The distance, also where that may be more than what something else of it has, the normal, and how
  * steep it is. Farther than `enough` it is only known to be so. */
-PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_real enough,
-                                      pbf_vec *normal, pbf_real *steepness) {
+PBF_FN_NOINLINE pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_real enough,
+                                        pbf_vec *normal, pbf_real *steepness) {
   pbf_vec beyond;
   pbf_real beyond2;
   const pbf_vec at = pbf_field_place(s, p);
@@ -197,7 +197,7 @@ PBF_FN_SELDOM pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_real 
 
 /* Whether p is farther than `reach` from the box around it, each side of which is known to a cell.
  */
-PBF_FN_SELDOM int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
+PBF_FN_NOINLINE int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
   pbf_real beyond2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real at = pbf_dot(p, s->frame[k]);
@@ -217,7 +217,7 @@ PBF_FN pbf_real pbf_field_stride(const pbf_surface *s, pbf_real distance) {
   return pbf_real_max(distance / s->steepest, (pbf_real)0.25 * pbf_field_cell(s));
 }
 
-PBF_FN_SELDOM int pbf_field_blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
+PBF_FN_NOINLINE int pbf_field_blocks(const pbf_surface *s, pbf_vec p, pbf_vec way) {
   const pbf_real length = pbf_real_sqrt(pbf_dot(way, way));
   pbf_real gone = 0;
   for (int steps = 0; steps < PBF_FIELD_STEPS; ++steps) {

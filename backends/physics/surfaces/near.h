@@ -85,8 +85,9 @@ typedef struct pbf_cell_range {
   int first[PBF_DIM], last[PBF_DIM];
 } pbf_cell_range;
 
-PBF_FN_APART pbf_cell_range pbf_cells_between(const pbf_surface_grid *g, const double *lower,
-                                              const double *upper, double beyond) {
+PBF_FN_HOST_NOINLINE pbf_cell_range pbf_cells_between(const pbf_surface_grid *g,
+                                                      const double *lower, const double *upper,
+                                                      double beyond) {
   pbf_cell_range r;
   for (int k = 0; k < PBF_DIM; ++k) {
     r.first[k] = pbf_grid_cell_along(g, k, lower[k] - beyond);

@@ -196,8 +196,8 @@ typedef enum pbf_nearest_part {
 /* Distance of x from the surface, negative where the fluid must not be; *normal points to the
  * fluid, and *part is what of it is nearest. */
 template <class Surface>
-PBF_FN_APART pbf_real pbf_surface_nearest(const Surface *s, pbf_vec x, pbf_vec *normal,
-                                          pbf_nearest_part *part) {
+PBF_FN_HOST_NOINLINE pbf_real pbf_surface_nearest(const Surface *s, pbf_vec x, pbf_vec *normal,
+                                                  pbf_nearest_part *part) {
   const pbf_vec p = pbf_sub(x, s->center);
   pbf_vec n;
   int sides = 0;

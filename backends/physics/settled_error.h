@@ -1,7 +1,7 @@
 /* What steps leave of a density error, by how deep the fluid stands and whether a grid carries its
  * weight. Host only, float64. */
-#ifndef PBF_PHYSICS_LEFT_UNDER_ALL_H
-#define PBF_PHYSICS_LEFT_UNDER_ALL_H
+#ifndef PBF_PHYSICS_SETTLED_ERROR_H
+#define PBF_PHYSICS_SETTLED_ERROR_H
 
 #include "physics/pressure_grid/grid.h"
 #include "physics/schedule.h"
@@ -22,9 +22,9 @@ static inline double pbf_settled_layers(const pbf_params *params, pbf_basins *ba
 
 /* What steps that leave `error` for each layer leave under all fluid at rest: all of that, or what
  * a grid leaves. */
-static inline double pbf_left_under_all(const pbf_params *params, pbf_basins *basins,
-                                        uint32_t colliders, const pbf_collider *list,
-                                        uint32_t count, double error, double most) {
+static inline double pbf_settled_error(const pbf_params *params, pbf_basins *basins,
+                                       uint32_t colliders, const pbf_collider *list, uint32_t count,
+                                       double error, double most) {
   if (!(PBF_BUILT & PBF_FEATURE_CHEBYSHEV)) return -1; /* no overlap is undone */
   if (!(pbf_error_per_layer(params, PBF_DIM) > 0)) return -1;
   const pbf_params p = pbf_with_error_per_layer(params, error);
