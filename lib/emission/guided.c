@@ -3,8 +3,8 @@
 #include <math.h>
 
 #include "new_particles.h"
-#include "particles/particles.h"
 #include "particles/values.h"
+#include "solver/backend_call.h"
 #include "solver/ids.h"
 
 double pbf_guided_speed(const pbf_guided *guided) {
@@ -38,11 +38,13 @@ static uint32_t find_among(const pbf_solver *solver, uint32_t first, uint32_t co
 pbf_status pbf_guided_keep(pbf_solver *solver, uint32_t first, uint32_t count) {
   pbf_emission *e = solver->emission;
   uint32_t begin;
-  const uint32_t rows = find_among(solver, first, count, &begin);
-  if (rows == 0) return PBF_OK;
-  pbf_status status = pbf_emission_reserve(solver, e, rows);
+  const uint32_t among = find_among(solver, first, count, &begin);
+  if (among == 0) return PBF_OK;
+  pbf_status status = pbf_emission_reserve(solver, e, among);
   if (status != PBF_OK) return status;
-  return pbf_read_rows(solver, PBF_FIELD_POSITION, begin, rows, e->particles);
+  const pbf_rows rows = pbf_ids_rows(solver, begin, among);
+  return pbf_backend_result(
+      solver, solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, e->particles), "read");
 }
 
 void pbf_guided_move(pbf_solver *solver, uint32_t first, uint32_t count, const void *positions) {

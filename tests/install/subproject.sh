@@ -10,7 +10,7 @@ build() { # how, options
   how=$1
   shift
   # shellcheck disable=SC2086 # words on purpose
-  quiet "$cmake" -S "$source/tests/install/subproject" -B "$folder/$how" -DHOW=$how "-DSOURCE=$source" $small "$@"
+  quiet "$cmake" --fresh -S "$source/tests/install/subproject" -B "$folder/$how" -DHOW=$how "-DSOURCE=$source" $small "$@"
   quiet "$cmake" --build "$folder/$how" --parallel 2
 }
 # The plugin lies beside the library, where the program finds it.
