@@ -25,7 +25,7 @@ void pbf_worker_run(pbf_solver *solver, const pbf_worker_calls *calls, uint32_t 
 /* Waits until steps that have begun are done. */
 void pbf_worker_wait(pbf_solver *solver);
 
-/* Its thread ends in a callback: who waits for the steps need not. */
+/* Its thread ends in a callback: the steps are not waited for any more. */
 void pbf_worker_has_ended(pbf_solver *solver);
 
 /* Of those; with the sentence of a failure. */
