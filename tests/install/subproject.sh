@@ -9,6 +9,7 @@ quiet() { "$@" >"$folder.log" 2>&1 || { cat "$folder.log"; exit 1; }; }
 build() { # how, options
   how=$1
   shift
+  rm -rf "$folder/$how/_deps/pbf-subbuild" # of a generator that was another one
   # shellcheck disable=SC2086 # words on purpose
   quiet "$cmake" --fresh -S "$source/tests/install/subproject" -B "$folder/$how" -DHOW=$how "-DSOURCE=$source" $small "$@"
   quiet "$cmake" --build "$folder/$how" --parallel 2
