@@ -5,7 +5,7 @@
 #ifndef PBF_COMMON_AT_LOAD_H
 #define PBF_COMMON_AT_LOAD_H
 
-#if defined(__ELF__) /* whose linkers sort them */
+#if defined(__ELF__) /* its linkers sort them by priority */
 #define PBF_CONSTRUCTOR \
   __attribute__((constructor(101))) /* the first that is not the C library's */
 #define PBF_DESTRUCTOR __attribute__((destructor(101)))

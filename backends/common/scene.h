@@ -227,18 +227,25 @@ static pbf_status set_overlap(Solver *s, const pbf_overlap *overlap) {
   return PBF_OK;
 }
 
+/* Once what the schedule goes by has changed: with the arrays of the new one. */
+template <class Solver>
+static pbf_status renew_schedule(Solver *s) {
+  const pbf_schedule schedule =
+      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
+  const pbf_status status = take_schedule(s, &schedule, &s->params);
+  if (status == PBF_OK) s->schedule = schedule;
+  return status;
+}
+
 template <class Solver>
 static pbf_status set_phases(Solver *s, const pbf_phase_table *table) {
   const pbf_phase_table before = s->phases, none = {};
   s->phases = table ? *table : none;
-  const pbf_schedule schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
-  pbf_status status = take_schedule(s, &schedule, &s->params);
+  const pbf_status status = renew_schedule(s);
   if (status != PBF_OK) {
     s->phases = before;
     return status;
   }
-  s->schedule = schedule;
   s->constants.phases = pbf_phase_constants_of(&s->phases);
   wake_all(s);
   return PBF_OK;
@@ -248,16 +255,12 @@ template <class Solver>
 static pbf_status set_accelerations(Solver *s, uint32_t on) {
   const uint32_t before = s->accelerations;
   s->accelerations = on;
-  const pbf_schedule schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
-  pbf_status status = take_schedule(s, &schedule, &s->params);
-  if (status != PBF_OK) {
+  const pbf_status status = renew_schedule(s);
+  if (status == PBF_OK)
+    wake_all(s);
+  else
     s->accelerations = before;
-    return status;
-  }
-  s->schedule = schedule;
-  wake_all(s);
-  return PBF_OK;
+  return status;
 }
 
 /* The arrays are there. */
@@ -274,13 +277,8 @@ template <class Solver>
 static pbf_status plan_steps(Solver *s, double most) {
   const double before = s->most_left;
   s->most_left = most;
-  const pbf_schedule schedule =
-      schedule_of(s, &s->params, &s->derived, s->collider_count, s->table.list, s->overlaps);
-  const pbf_status status = take_schedule(s, &schedule, &s->params);
-  if (status == PBF_OK)
-    s->schedule = schedule;
-  else
-    s->most_left = before;
+  const pbf_status status = renew_schedule(s);
+  if (status != PBF_OK) s->most_left = before;
   return status;
 }
 
