@@ -3,6 +3,7 @@
 
 #include "cuda/create.h"
 #include "cuda/device_calls.h"
+#include "cuda/found.h"
 #include "cuda/report.h"
 #include "cuda/scene.h"
 #include "physics/settled_error.h"
@@ -238,6 +239,13 @@ static pbf_status read(pbf_backend_solver *handle, uint32_t field, const pbf_row
                                : population_read(of(handle), field, rows, out);
 }
 
+static pbf_status find_in_boxes(pbf_backend_solver *handle, uint32_t count,
+                                const pbf_backend_box *boxes, pbf_backend_found *found) {
+  pbf_cuda_scope scope(of(handle)->context);
+  if (has_ranks(of(handle))) return refuse_call_on_ranks(of(handle), "a search in boxes");
+  return population_find(of(handle), count, boxes, found);
+}
+
 static pbf_status take_array(pbf_backend_solver *handle, uint64_t bytes, pbf_backend_array *array) {
   solver *s = of(handle);
   pbf_cuda_scope scope(s->context);
@@ -422,4 +430,5 @@ extern "C" const pbf_backend_api PBF_VARIANT_API = {
     plan_steps,
     steps_leave,
     set_accelerations,
+    find_in_boxes,
 };

@@ -154,7 +154,7 @@ static inline void launch_list_kernel(solver *s, const neighborhood &n) {
   auto kernel = n.grid.periodic ? list_kernel<WHICH, true> : list_kernel<WHICH, false>;
   if (own_count(n))
     launch_early(s, kernel, list_blocks(own_count(n)), SEARCH_BLOCK, list_shared(s->lists.chunks),
-                 n.particles, n.grid, s->constants.h2, s->lists);
+                 n.particles, n.grid, s->constants.h2, n.lists);
 }
 
 static inline pbf_status launch_lists(solver *s, const neighborhood &n) {

@@ -1,7 +1,8 @@
 /* Neighbour lists: 16 bits a neighbour, row and place in the row. A row's places count from the
- * lowest one that the 32 particles of a warp reach in it, so that they stay small. Lists of a warp
- * interleave in chunks of eight neighbours, 16 bytes a particle. A list that does not fit its room
- * is marked, and its particle walks the cells instead: nothing is cut. */
+ * lowest one that the 32 particles of a warp reach in it, so that they stay small; with periodic
+ * axes some of them can reach a row at the domain's other end, which then counts as one more. Lists
+ * of a warp interleave in chunks of eight neighbours, 16 bytes a particle. A list that does not fit
+ * its room is marked, and its particle walks the cells instead: nothing is cut. */
 #ifndef PBF_CUDA_LISTS_H
 #define PBF_CUDA_LISTS_H
 
@@ -18,14 +19,17 @@ enum {
   PBF_WALKS = 255, /* list size that says: walk the cells */
   PBF_MAX_LISTED = 128,
   PBF_NOWHERE = PBF_ROWS << PBF_PLACE_BITS, /* fills up a chunk: the particle far from everything */
+  PBF_ROW_CODES = 1 << (16 - PBF_PLACE_BITS),
+  PBF_FAR_ROWS = PBF_ROW_CODES - PBF_ROWS - 1, /* by the codes after that of the particle */
   PBF_GATHERS = sizeof(pbf_real) == sizeof(float) ? 4 : 2 /* neighbours loaded at once */
 };
 
 struct neighbor_lists {
   uint4 *entries;
   uint8_t *sizes;
-  uint32_t *bases; /* PBF_ROWS a warp */
-  uint32_t chunks; /* room of a list */
+  uint32_t *bases;     /* PBF_ROWS a warp */
+  uint32_t *far_bases; /* PBF_FAR_ROWS a warp where an axis is periodic, else null */
+  uint32_t chunks;     /* room of a list */
   uint32_t sentinel_index;
 };
 
@@ -52,9 +56,9 @@ static __device__ __forceinline__ void walk_cells(const sorted_particles &p, con
 }
 
 /* The warp's bases less the row's bits of an entry, so that adding the entry gives the neighbour.
- * They are found by the bits themselves, for which the 16 of a warp are aligned. */
-struct alignas(16 * sizeof(uint32_t)) row_bases {
-  uint32_t of[16];
+ * They are found by the bits themselves, for which those of a warp are aligned. */
+struct alignas(PBF_ROW_CODES * sizeof(uint32_t)) row_bases {
+  uint32_t of[PBF_ROW_CODES];
 };
 
 /* The neighbour that one half of a list's word stands for; `bases` in shared memory. */
@@ -79,6 +83,9 @@ static __device__ __forceinline__ void for_chunks(const sorted_particles &p, con
   if (lane <= PBF_ROWS) {
     uint32_t base = lane < PBF_ROWS ? lists.bases[i / 32 * PBF_ROWS + lane] : lists.sentinel_index;
     bases[lane] = base - (lane << PBF_PLACE_BITS);
+  } else if (lists.far_bases && lane < PBF_ROW_CODES) {
+    uint32_t far_row = i / 32 * PBF_FAR_ROWS + lane - PBF_ROWS - 1;
+    bases[lane] = lists.far_bases[far_row] - (lane << PBF_PLACE_BITS);
   }
   __syncwarp();
   if (i >= p.count) return;

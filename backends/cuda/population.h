@@ -193,12 +193,13 @@ static inline pbf_status population_remove(solver *s, uint32_t count, const uint
   return PBF_OK;
 }
 
-/* The ids of `rows` go to the device. */
+/* The ids of `rows` go to the device, but for such as follow each other. */
 static inline pbf_status upload_rows(solver *s, const pbf_rows *rows, row_range *range) {
-  *range = {nullptr, rows->first, rows->count, rows->total};
-  if (!rows->ids) return PBF_OK;
+  const uint32_t *ids = rows->ids && rows->count ? rows->ids + rows->first : nullptr;
+  *range = {nullptr, ids ? ids[0] : rows->first, rows->count, rows->first};
+  if (!ids || ids[rows->count - 1] - ids[0] == rows->count - 1) return PBF_OK;
   range->ids = s->cells;
-  return copy_in(s, s->cells, rows->ids, rows->total * sizeof(uint32_t));
+  return copy_in(s, s->cells, ids, rows->count * sizeof(uint32_t));
 }
 
 /* Walls and colliders where the last step left them. */

@@ -6,15 +6,17 @@
 #include "cuda/launch.h"
 #include "cuda/particles.h"
 
-/* Rows first … first + count - 1; `ids` on the device, or null where row and id are the same. */
+/* `count` rows; their ids on the device, or null where these are first_id … first_id + count - 1.
+ */
 struct row_range {
   const uint32_t *ids;
-  uint32_t first, count, total;
+  uint32_t first_id, count;
+  uint32_t first; /* of the rows of all particles */
 };
 
 /* Row of `id` within the range; rows.count or more where it is not in it. */
 static __device__ inline uint32_t row_in_range(const row_range &rows, uint32_t id) {
-  return (rows.ids ? pbf_find_id(rows.ids, rows.total, id) : id) - rows.first;
+  return rows.ids ? pbf_find_id(rows.ids, rows.count, id) : id - rows.first_id;
 }
 
 static __global__ void read_points_kernel(const point *points, const uint32_t *ids, uint32_t count,

@@ -117,6 +117,23 @@ static __device__ __forceinline__ row_part part_beyond(const sorted_particles &p
   return {p.cell_start[first], p.cell_start[last + 1]};
 }
 
+/* What some lanes reach of a row between `lowest` and `highest` may be too far from the base that
+ * all have in common: beyond a periodic face. They get one more of the warp's bases, and the code
+ * that stands for it, until there are no more. All lanes call it. */
+static __device__ __forceinline__ void take_far_rows(const neighbor_lists &lists, uint32_t i,
+                                                     uint32_t lowest, uint32_t highest,
+                                                     uint32_t *far_rows, uint32_t *base,
+                                                     uint32_t *code) {
+  for (; *far_rows < PBF_FAR_ROWS; ++*far_rows) {
+    const bool is_far = lowest < highest && highest - *base > PBF_PLACES;
+    if (!__any_sync(~0u, is_far)) return;
+    const uint32_t far_base = min_of_lanes(~0u, is_far ? lowest : ~0u);
+    if (threadIdx.x % 32 == 0) lists.far_bases[i / 32 * PBF_FAR_ROWS + *far_rows] = far_base;
+    if (is_far) *base = far_base;
+    if (is_far) *code = PBF_ROWS + 1 + *far_rows;
+  }
+}
+
 /* Which particles get a list. The sleeping boundary (physics/sleep.h) is known once the awake have
  * theirs; a warp's lists have their bases in common, so that it gets them together. */
 enum searchers { SEARCH_ALL, SEARCH_AWAKE, SEARCH_SLEEPING_BOUNDARY };
@@ -153,32 +170,36 @@ static __global__ void __launch_bounds__(SEARCH_BLOCK, SEARCH_BLOCKS)
   };
   uint32_t next_start, next_end;
   bounds(0, &next_start, &next_end);
+  uint32_t far_rows = 0;
 #pragma unroll 1
   for (int row = 0; row < PBF_ROWS; ++row) {
     uint32_t start = next_start, end = next_end;
     if (row + 1 < PBF_ROWS) bounds(row + 1, &next_start, &next_end);
-    uint32_t lowest = start < end ? start : ~0u;
+    uint32_t lowest = start < end ? start : ~0u, highest = start < end ? end : 0;
     if (PERIODIC && grid.period.c[0] > 0) {
       const row_part beyond = looks ? part_beyond(p, grid, view, row) : row_part{0, 0};
       if (beyond.start < beyond.end) lowest = min(lowest, beyond.start);
+      if (beyond.start < beyond.end) highest = max(highest, beyond.end);
       __syncwarp();
     }
-    uint32_t base = min_of_lanes(~0u, lowest);
+    uint32_t base = min_of_lanes(~0u, lowest), code = (uint32_t)row;
     if (lane == 0) lists.bases[i / 32 * PBF_ROWS + row] = base;
+    if (PERIODIC) take_far_rows(lists, i, lowest, highest, &far_rows, &base, &code);
     if (start < end && end - base > PBF_PLACES) list.fits = false;
     const pbf_vec from = PERIODIC ? grid_image(grid, view, row, x) : x;
-    list.add_row(p.points, start, end, i, from, h2,
-                 ((uint32_t)row << PBF_PLACE_BITS) + start - base);
+    list.add_row(p.points, start, end, i, from, h2, (code << PBF_PLACE_BITS) + start - base);
     if (PERIODIC && grid.period.c[0] > 0 && looks) {
       const row_part beyond = part_beyond(p, grid, view, row);
       pbf_vec seen = from;
       seen.c[0] += 2 * view.along < grid.period.c[0] ? grid.period.c[0] : -grid.period.c[0];
       if (beyond.start < beyond.end && beyond.end - base > PBF_PLACES) list.fits = false;
       list.add_row(p.points, beyond.start, beyond.end, i, seen, h2,
-                   ((uint32_t)row << PBF_PLACE_BITS) + beyond.start - base);
+                   (code << PBF_PLACE_BITS) + beyond.start - base);
     }
     __syncwarp();
   }
+  if (PERIODIC && lane >= far_rows && lane < PBF_FAR_ROWS)
+    lists.far_bases[i / 32 * PBF_FAR_ROWS + lane] = 0;
   if (!real) return;
   lists.sizes[i] = list.fits ? (uint8_t)list.size() : (uint8_t)PBF_WALKS;
   list.write(list_of(lists, i));

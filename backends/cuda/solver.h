@@ -209,7 +209,8 @@ static inline neighborhood neighborhood_of(const solver *s, const cell_grid &gri
            s->other_last_pressure, s->other_overlap, s->other_phase, s->mobility,
            s->other_acceleration},
           grid,
-          s->lists,
+          {s->lists.entries, s->lists.sizes, s->lists.bases, s->far_bases, s->lists.chunks,
+           s->lists.sentinel_index},
           s->constants};
 }
 

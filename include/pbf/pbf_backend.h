@@ -119,6 +119,21 @@ typedef struct pbf_rows {
   const uint32_t *ids;
 } pbf_rows;
 
+/* Where particles are looked for: lower[k] <= x[k] <= upper[k] along each axis k that there is. */
+typedef struct pbf_backend_box {
+  double lower[3], upper[3];
+} pbf_backend_box;
+
+/* Particles that were looked for, in an order that equal particles in equal places always have. */
+typedef struct pbf_backend_found {
+  uint32_t struct_size;
+  uint32_t room;     /* of the arrays: particles */
+  uint32_t count;    /* of all that were found; the first `room` of them are in the arrays */
+  uint32_t reserved; /* 0 */
+  uint32_t *ids;
+  void *positions, *velocities; /* (room, dimension), element type of the solver */
+} pbf_backend_found;
+
 /* What pbf_collider.geometry points to: as long as a solver has a collider of it, it stays where it
  * is and does not change. */
 struct pbf_shape {
@@ -394,6 +409,11 @@ struct pbf_backend_api {
   /* Optional: particles have accelerations beside gravity, PBF_BACKEND_FIELD_ACCELERATION, which
    * act in each step and are 0 until they are written; or, with 0, none any more. */
   pbf_status (*set_accelerations)(pbf_backend_solver *solver, uint32_t on);
+
+  /* Optional, for backends from whose memory the host can't read: the particles in any of `count`
+   * boxes, 1 at least. Fills *found, but for its room. */
+  pbf_status (*find_in_boxes)(pbf_backend_solver *solver, uint32_t count,
+                              const pbf_backend_box *boxes, pbf_backend_found *found);
 };
 
 /* What the plugin answers. */

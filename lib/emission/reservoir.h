@@ -3,8 +3,7 @@
 #define PBF_LIB_EMISSION_RESERVOIR_H
 
 #include "emission.h"
-#include "particles/numbers.h"
-#include "particles/row_set.h"
+#include "particles/inside.h"
 #include "query/volume.h"
 
 /* A reservoir as its points are asked for. */
@@ -26,10 +25,9 @@ pbf_status pbf_reservoir_check(const pbf_reservoir *reservoir, uint32_t index, p
 /* What 2D ignores becomes as pbf_reservoir_init gives it. */
 void pbf_reservoir_clean(pbf_reservoir *reservoir, uint32_t dimension);
 
-/* Adds the highest particles to `out` that are too many in it, of those that are not there yet.
- * `x` are positions of all. */
-pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir,
-                              const pbf_numbers *x, pbf_row_set *out, uint64_t *removed);
+/* Adds the highest particles to `out` that are too many in it, of those that are not there yet. */
+pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir, pbf_row_set *out,
+                              uint64_t *removed);
 
 /* What comes into the one of that number; counted on from the last one on, what each pushes. */
 pbf_status pbf_reservoir_stage(pbf_solver *solver, pbf_emission *e, uint32_t number);

@@ -27,6 +27,11 @@ static void local_of(const pbf_solver *solver, const pbf_reservoir_frame *f, con
   }
 }
 
+/* Around all that matters for it: what is within a spacing. */
+static pbf_backend_box box_of(const pbf_reservoir_frame *f) {
+  return pbf_volume_box(&f->box, f->spacing);
+}
+
 static pbf_reservoir_frame frame_of(const pbf_solver *solver, const pbf_reservoir *r) {
   return pbf_reservoir_frame_of(r, solver->kind.dimension, pbf_derive_spacing(&solver->params));
 }
@@ -51,10 +56,9 @@ static uint32_t list_inside(pbf_solver *solver, const pbf_reservoir_frame *f, co
   uint32_t count = 0;
   for (uint32_t i = 0; i < x->elements; ++i) {
     double local[3];
-    uint32_t row = i;
+    uint32_t row;
     local_of(solver, f, x, i, local);
-    if (!pbf_volume_has_local(&f->box, local)) continue;
-    if (x->ids && !pbf_ids_find(solver, x->ids[i], &row)) continue;
+    if (!pbf_volume_has_local(&f->box, local) || !pbf_numbers_row(solver, x, i, &row)) continue;
     if (pbf_row_set_has(out, row)) continue;
     if (rows) rows[count] = (placed_row){local[1], row};
     ++count;
@@ -62,24 +66,34 @@ static uint32_t list_inside(pbf_solver *solver, const pbf_reservoir_frame *f, co
   return count;
 }
 
-pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir,
-                              const pbf_numbers *x, pbf_row_set *out, uint64_t *removed) {
-  const pbf_reservoir_frame f = frame_of(solver, reservoir);
-  const uint32_t inside = list_inside(solver, &f, x, out, NULL);
+static pbf_status mark_highest(pbf_solver *solver, const pbf_reservoir_frame *f,
+                               const pbf_numbers *x, pbf_row_set *out, uint64_t *removed) {
+  const uint32_t inside = list_inside(solver, f, x, out, NULL);
   const uint64_t bytes = (uint64_t)inside * sizeof(placed_row);
   void *memory;
-  *removed = 0;
-  if (!(inside > f.particles)) return PBF_OK;
+  if (!(inside > f->particles)) return PBF_OK;
   pbf_status status =
       pbf_memory_allocate(&solver->allocator, bytes, "what is in a reservoir", &memory);
   if (status != PBF_OK) return status;
   placed_row *rows = memory;
-  (void)list_inside(solver, &f, x, out, rows);
+  (void)list_inside(solver, f, x, out, rows);
   qsort(rows, inside, sizeof *rows, compare);
-  for (uint32_t i = 0; i < inside && i < inside - f.particles; ++i, ++*removed)
+  for (uint32_t i = 0; i < inside && i < inside - f->particles; ++i, ++*removed)
     pbf_row_set_add(out, rows[i].row);
   pbf_memory_free(&solver->allocator, memory, bytes);
   return PBF_OK;
+}
+
+pbf_status pbf_reservoir_mark(pbf_solver *solver, const pbf_reservoir *reservoir, pbf_row_set *out,
+                              uint64_t *removed) {
+  const pbf_reservoir_frame f = frame_of(solver, reservoir);
+  const pbf_backend_box box = box_of(&f);
+  pbf_numbers x;
+  *removed = 0;
+  pbf_status status = pbf_numbers_in_boxes(solver, 1, &box, &x, NULL);
+  if (status == PBF_OK) status = mark_highest(solver, &f, &x, out, removed);
+  pbf_numbers_free(solver, &x);
+  return status;
 }
 
 /* ---- In -------------------------------------------------------------------------------------- */
@@ -95,6 +109,7 @@ static const uint32_t none = UINT32_MAX;
 
 typedef struct heap {
   const pbf_reservoir_frame *frame;
+  pbf_numbers positions, velocities; /* of particles that are there */
   heap_cell *of;
   uint32_t cells;
 } heap;
@@ -118,6 +133,16 @@ static int near_cells(const pbf_reservoir_frame *f, uint32_t side, double at, ui
   return 1;
 }
 
+static uint32_t id_of(const heap *h, uint32_t element) {
+  return h->positions.ids && element != none ? h->positions.ids[element] : element;
+}
+
+/* Of equal heights that of the particle with the lower id counts, in whatever order they come. */
+static int is_above(const heap *h, double height, uint32_t element, const heap_cell *top) {
+  if (height != top->height) return height > top->height;
+  return id_of(h, element) < id_of(h, top->support);
+}
+
 static void lay(const heap *h, const double local[3], uint32_t element) {
   const pbf_reservoir_frame *f = h->frame;
   uint32_t ranges[2][2];
@@ -130,7 +155,8 @@ static void lay(const heap *h, const double local[3], uint32_t element) {
       const double a = middle[0] - local[0], b = middle[1] - local[2];
       const double square = f->spacing * f->spacing - a * a - b * b;
       const double height = local[1] + sqrt(fmax(square, 0));
-      if (square > 0 && height > h->of[cell].height) h->of[cell] = (heap_cell){height, element};
+      if (square > 0 && is_above(h, height, element, &h->of[cell]))
+        h->of[cell] = (heap_cell){height, element};
     }
 }
 
@@ -141,20 +167,16 @@ static uint32_t lowest_of(const heap *h) {
   return lowest;
 }
 
-/* Heaps up what is there, and tells how many that are in the box. */
-static pbf_status heap_up(pbf_solver *solver, const heap *h, double *inside) {
-  pbf_numbers x;
-  *inside = 0;
-  if (solver->count == 0) return PBF_OK;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
-  for (uint32_t i = 0; status == PBF_OK && i < x.elements; ++i) {
+/* Heaps up what is there; returns how many that are in the box. */
+static double heap_up(pbf_solver *solver, const heap *h) {
+  double inside = 0;
+  for (uint32_t i = 0; i < h->positions.elements; ++i) {
     double local[3];
-    local_of(solver, h->frame, &x, i, local);
-    *inside += pbf_volume_has_local(&h->frame->box, local) != 0;
+    local_of(solver, h->frame, &h->positions, i, local);
+    inside += pbf_volume_has_local(&h->frame->box, local) != 0;
     if (local[1] < h->frame->upper + h->frame->spacing) lay(h, local, i);
   }
-  pbf_numbers_free(solver, &x);
-  return status;
+  return inside;
 }
 
 /* Places for as many as are missing, but none of which the middle would be above the level, and
@@ -186,20 +208,15 @@ static uint32_t write_places(const pbf_solver *solver, pbf_emission *e, const he
 
 /* What lies upon fluid moves with it: particles at rest would have to fall by a spacing before
  * others find room, and so limit what comes in to a layer in sqrt(2 spacing / g). */
-static pbf_status write_velocities(pbf_solver *solver, pbf_emission *e, uint32_t count,
-                                   const uint32_t *supports) {
+static void write_velocities(const pbf_solver *solver, pbf_emission *e, const heap *h,
+                             uint32_t count, const uint32_t *supports) {
   char *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   const uint32_t n = solver->kind.dimension;
-  pbf_numbers v;
   memset(velocities, 0, count * pbf_point_bytes(solver));
-  if (solver->count == 0) return PBF_OK;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_VELOCITY, 0, solver->count, &v);
-  for (uint32_t i = 0; status == PBF_OK && i < count; ++i)
+  for (uint32_t i = 0; i < count; ++i)
     for (uint32_t k = 0; k < n && supports[i] != none; ++k)
       pbf_emission_put(solver, velocities, (uint64_t)i * n + k,
-                       pbf_numbers_get(&v, supports[i], k, solver->kind.precision));
-  pbf_numbers_free(solver, &v);
-  return status;
+                       pbf_numbers_get(&h->velocities, supports[i], k, solver->kind.precision));
 }
 
 static uint32_t room_in(const pbf_solver *solver) {
@@ -214,8 +231,7 @@ static pbf_status add(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r, con
   if (status != PBF_OK) return status;
   const uint32_t count = write_places(solver, e, h, missing, supports);
   if (count == 0) return PBF_OK;
-  status = write_velocities(solver, e, count, supports);
-  if (status != PBF_OK) return status;
+  write_velocities(solver, e, h, count, supports);
   const void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   status = pbf_population_append(solver, count, e->particles, velocities, 0, r->phase);
   if (status != PBF_OK) return status;
@@ -226,13 +242,12 @@ static pbf_status add(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r, con
 
 static pbf_status add_missing(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r,
                               const heap *h) {
-  double inside;
   void *supports;
-  pbf_status status = heap_up(solver, h, &inside);
-  const double missing = fmin(h->frame->particles - inside, room_in(solver));
-  if (status != PBF_OK || !(missing >= 1)) return status;
+  const double missing = fmin(h->frame->particles - heap_up(solver, h), room_in(solver));
+  if (!(missing >= 1)) return PBF_OK;
   const uint64_t bytes = (uint64_t)missing * sizeof(uint32_t);
-  status = pbf_memory_allocate(&solver->allocator, bytes, "what comes into a reservoir", &supports);
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, bytes, "what comes into a reservoir", &supports);
   if (status != PBF_OK) return status;
   status = add(solver, e, r, h, (uint32_t)missing, supports);
   pbf_memory_free(&solver->allocator, supports, bytes);
@@ -274,10 +289,14 @@ static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
   pbf_status status = pbf_memory_allocate(&solver->allocator, cells * sizeof(heap_cell),
                                           "the surface of a reservoir", &memory);
   if (status != PBF_OK) return status;
-  heap h = {&f, memory, (uint32_t)cells};
+  const pbf_backend_box box = box_of(&f);
+  heap h = {.frame = &f, .of = memory, .cells = (uint32_t)cells};
   const double lowest = lowest_place(solver, &f, &f.upper);
   for (uint32_t i = 0; i < h.cells; ++i) h.of[i] = (heap_cell){lowest, none};
-  status = add_missing(solver, e, r, &h);
+  status = pbf_numbers_in_boxes(solver, 1, &box, &h.positions, &h.velocities);
+  if (status == PBF_OK) status = add_missing(solver, e, r, &h);
+  pbf_numbers_free(solver, &h.positions);
+  pbf_numbers_free(solver, &h.velocities);
   pbf_memory_free(&solver->allocator, memory, cells * sizeof(heap_cell));
   return status;
 }
@@ -287,16 +306,16 @@ static pbf_status fill(pbf_solver *solver, pbf_emission *e, pbf_reservoir *r) {
 /* Rows from the first to the last in the box, and which of them are. */
 static pbf_status find_rows(pbf_solver *solver, const pbf_reservoir_frame *f, pbf_row_set *set,
                             uint32_t *first, uint32_t *last) {
+  const pbf_backend_box box = box_of(f);
   pbf_numbers x;
   *first = UINT32_MAX;
   *last = 0;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
+  pbf_status status = pbf_numbers_in_boxes(solver, 1, &box, &x, NULL);
   for (uint32_t i = 0; status == PBF_OK && i < x.elements; ++i) {
     double local[3];
-    uint32_t row = i;
+    uint32_t row;
     local_of(solver, f, &x, i, local);
-    if (!pbf_volume_has_local(&f->box, local)) continue;
-    if (x.ids && !pbf_ids_find(solver, x.ids[i], &row)) continue;
+    if (!pbf_volume_has_local(&f->box, local) || !pbf_numbers_row(solver, &x, i, &row)) continue;
     pbf_row_set_add(set, row);
     *first = row < *first ? row : *first;
     *last = row > *last ? row : *last;

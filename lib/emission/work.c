@@ -8,10 +8,9 @@
 #include "new_particles.h"
 #include "opening.h"
 #include "params.h"
-#include "particles/numbers.h"
+#include "particles/inside.h"
 #include "particles/particles.h"
 #include "particles/population.h"
-#include "particles/row_set.h"
 #include "physics/spacing.h"
 #include "query/volume.h"
 #include "reservoir.h"
@@ -41,37 +40,34 @@ static void forget_expired(pbf_emission *e, double now) {
   e->head.births_count = kept;
 }
 
-static int is_drained(const pbf_volume_frame *frames, uint32_t count, const double point[3]) {
-  for (uint32_t i = 0; i < count; ++i)
-    if (pbf_volume_has(&frames[i], point)) return 1;
+typedef struct drain_frames {
+  uint32_t count;
+  pbf_volume_frame of[PBF_MAX_DRAINS];
+} drain_frames;
+
+static int is_drained(const void *what, const double point[3]) {
+  const drain_frames *frames = what;
+  for (uint32_t i = 0; i < frames->count; ++i)
+    if (pbf_volume_has(&frames->of[i], point)) return 1;
   return 0;
 }
 
-static void mark_drained(pbf_solver *solver, const pbf_emission *e, const pbf_numbers *x,
-                         pbf_row_set *out) {
-  pbf_volume_frame frames[PBF_MAX_DRAINS];
-  for (uint32_t i = 0; i < e->head.drain_count; ++i)
-    frames[i] = pbf_volume_frame_of(&e->drains[i], solver->kind.dimension);
-  for (uint32_t i = 0; i < x->elements && e->head.drain_count > 0; ++i) {
-    double point[3] = {0, 0, 0};
-    uint32_t row = i;
-    for (uint32_t k = 0; k < solver->kind.dimension; ++k)
-      point[k] = pbf_numbers_get(x, i, k, solver->kind.precision);
-    if (!is_drained(frames, e->head.drain_count, point)) continue;
-    if (!x->ids || pbf_ids_find(solver, x->ids[i], &row)) pbf_row_set_add(out, row);
+static pbf_status mark_drained(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out) {
+  drain_frames frames = {.count = e->head.drain_count};
+  pbf_backend_box boxes[PBF_MAX_DRAINS];
+  for (uint32_t i = 0; i < frames.count; ++i) {
+    frames.of[i] = pbf_volume_frame_of(&e->drains[i], solver->kind.dimension);
+    boxes[i] = pbf_volume_box(&frames.of[i], 0);
   }
+  return pbf_row_set_add_inside(solver, frames.count, boxes, is_drained, &frames, out);
 }
 
-/* What drains and reservoirs remove, from the same positions. */
+/* What drains and reservoirs remove. */
 static pbf_status mark_by_place(pbf_solver *solver, const pbf_emission *e, pbf_row_set *out,
                                 uint64_t removed[PBF_MAX_RESERVOIRS]) {
-  pbf_numbers x;
-  if (e->head.drain_count + e->head.reservoir_count == 0) return PBF_OK;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
-  if (status == PBF_OK) mark_drained(solver, e, &x, out);
+  pbf_status status = mark_drained(solver, e, out);
   for (uint32_t i = 0; i < e->head.reservoir_count && status == PBF_OK; ++i)
-    status = pbf_reservoir_mark(solver, &e->reservoirs[i], &x, out, &removed[i]);
-  pbf_numbers_free(solver, &x);
+    status = pbf_reservoir_mark(solver, &e->reservoirs[i], out, &removed[i]);
   return status;
 }
 
@@ -208,6 +204,18 @@ static pbf_status reserve_guided(pbf_solver *solver, pbf_emission *e, uint32_t c
   return PBF_OK;
 }
 
+/* Whether none of these rows is another particle's, nor of one that its stream would carry out of
+ * the domain and that is left alone. */
+static int all_are_set(const pbf_solver *solver, const pbf_emission *e, uint32_t rows) {
+  if (rows != e->head.guided_count) return 0;
+  for (uint32_t i = 0; i < rows; ++i) {
+    double to[3];
+    pbf_guided_place(&e->guided[i], to);
+    if (!pbf_emission_is_inside(solver, to)) return 0;
+  }
+  return 1;
+}
+
 static void put_on_way(const pbf_solver *solver, const pbf_emission *e, const batch *stream,
                        const pbf_guided *g, uint32_t place, uint32_t places) {
   const double faster = stream->opening.speed / pbf_guided_speed(g);
@@ -229,10 +237,12 @@ static pbf_status write_guided(pbf_solver *solver, pbf_emission *e, const batch 
   pbf_status status = pbf_emission_reserve(solver, e, count);
   if (status != PBF_OK) return status;
   void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
-  status = pbf_read_rows(solver, PBF_FIELD_POSITION, first, count, e->particles);
-  if (status == PBF_OK)
-    status = pbf_read_rows(solver, PBF_FIELD_VELOCITY, first, count, velocities);
-  if (status != PBF_OK) return status;
+  if (!all_are_set(solver, e, count)) {
+    status = pbf_read_rows(solver, PBF_FIELD_POSITION, first, count, e->particles);
+    if (status == PBF_OK)
+      status = pbf_read_rows(solver, PBF_FIELD_VELOCITY, first, count, velocities);
+    if (status != PBF_OK) return status;
+  }
   for (uint32_t i = 0; i < e->head.guided_count; ++i) {
     uint32_t row;
     pbf_ids_find(solver, e->guided[i].id, &row);

@@ -19,9 +19,6 @@ static inline int pbf_has_accelerations(const pbf_solver *solver) {
 /* The largest sum of gravity and one of them. */
 double pbf_largest_acceleration(const pbf_solver *solver);
 
-/* A row becomes another one, which is no later. */
-void pbf_accelerations_move(pbf_solver *solver, uint32_t from, uint32_t to);
-
 /* Without the backend's. */
 void pbf_accelerations_free(pbf_solver *solver);
 

@@ -1,12 +1,10 @@
 /* Particles by where they are: those in a box. */
-#include <math.h>
+#include <string.h>
 
 #include "check.h"
 #include "error.h"
-#include "numbers.h"
-#include "row_set.h"
+#include "inside.h"
 #include "solver/handles.h"
-#include "solver/ids.h"
 #include "text.h"
 #include "values.h"
 
@@ -28,28 +26,26 @@ static pbf_status check_box(const pbf_solver *solver, const double *lower, const
   return PBF_OK;
 }
 
-static int is_inside(const pbf_numbers *positions, uint32_t element, pbf_check_kind kind,
-                     const double *lower, const double *upper) {
-  for (uint32_t k = 0; k < kind.dimension; ++k) {
-    const double x = pbf_numbers_get(positions, element, k, kind.precision);
-    if (!(x >= lower[k] && x <= upper[k])) return 0;
-  }
+/* In 2D z is 0, and what the caller says of it nothing. */
+static pbf_backend_box box_of(const pbf_solver *solver, const double *lower, const double *upper) {
+  pbf_backend_box box = {{0}, {0}};
+  memcpy(box.lower, lower, solver->kind.dimension * sizeof *lower);
+  memcpy(box.upper, upper, solver->kind.dimension * sizeof *upper);
+  return box;
+}
+
+static int has_point(const void *what, const double point[3]) {
+  const pbf_backend_box *box = what;
+  for (int k = 0; k < 3; ++k)
+    if (!(point[k] >= box->lower[k] && point[k] <= box->upper[k])) return 0;
   return 1;
 }
 
 /* `inside` is empty. */
 static pbf_status find(pbf_solver *solver, const double *lower, const double *upper,
                        pbf_row_set *inside) {
-  pbf_numbers positions;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &positions);
-  for (uint32_t i = 0; i < positions.elements && status == PBF_OK; ++i) {
-    uint32_t row = i;
-    if (!is_inside(&positions, i, solver->kind, lower, upper)) continue;
-    if (!positions.ids || pbf_ids_find(solver, positions.ids[i], &row))
-      pbf_row_set_add(inside, row);
-  }
-  pbf_numbers_free(solver, &positions);
-  return status;
+  const pbf_backend_box box = box_of(solver, lower, upper);
+  return pbf_row_set_add_inside(solver, 1, &box, has_point, &box, inside);
 }
 
 static pbf_status find_in_box(pbf_solver *solver, const double *lower, const double *upper,

@@ -52,11 +52,6 @@ static inline void pbf_phases_append(const pbf_solver *solver, uint32_t count, u
   if (solver->phases) memset(solver->phases->rows + (solver->count - count), (int)phase, count);
 }
 
-/* A row becomes another one, which is no later. */
-static inline void pbf_phases_move(const pbf_solver *solver, uint32_t from, uint32_t to) {
-  if (solver->phases) solver->phases->rows[to] = solver->phases->rows[from];
-}
-
 /* As part of a saved state: no bytes where there are none. */
 uint64_t pbf_phases_saved_size(const pbf_solver *solver);
 void pbf_phases_save(const pbf_solver *solver, void *buffer);

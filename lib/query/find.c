@@ -1,27 +1,13 @@
 /* Which particles are in a volume. */
 #include "check.h"
 #include "error.h"
-#include "particles/numbers.h"
-#include "particles/row_set.h"
+#include "particles/inside.h"
 #include "particles/values.h"
 #include "solver/handles.h"
-#include "solver/ids.h"
 #include "volume.h"
 
-/* `inside` is empty. */
-static pbf_status mark(pbf_solver *solver, const pbf_volume_frame *frame, pbf_row_set *inside) {
-  pbf_numbers x;
-  pbf_status status = pbf_numbers_find(solver, PBF_FIELD_POSITION, 0, solver->count, &x);
-  for (uint32_t i = 0; i < x.elements && status == PBF_OK; ++i) {
-    uint32_t row = i;
-    double point[3] = {0, 0, 0};
-    for (uint32_t k = 0; k < frame->dimension; ++k)
-      point[k] = pbf_numbers_get(&x, i, k, solver->kind.precision);
-    if (!pbf_volume_has(frame, point)) continue;
-    if (!x.ids || pbf_ids_find(solver, x.ids[i], &row)) pbf_row_set_add(inside, row);
-  }
-  pbf_numbers_free(solver, &x);
-  return status;
+static int has_point(const void *what, const double point[3]) {
+  return pbf_volume_has(what, point);
 }
 
 static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t capacity,
@@ -34,7 +20,8 @@ static pbf_status find(pbf_solver *solver, const pbf_volume *theirs, uint32_t ca
   if (status == PBF_OK) status = pbf_row_set_allocate(solver, &inside);
   if (status != PBF_OK) return status;
   const pbf_volume_frame frame = pbf_volume_frame_of(&volume, solver->kind.dimension);
-  status = mark(solver, &frame, &inside);
+  const pbf_backend_box box = pbf_volume_box(&frame, 0);
+  status = pbf_row_set_add_inside(solver, 1, &box, has_point, &frame, &inside);
   if (status == PBF_OK) {
     pbf_row_set_ids(solver, &inside, capacity, ids);
     *count = inside.count;

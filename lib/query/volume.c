@@ -154,6 +154,19 @@ int pbf_volume_has(const pbf_volume_frame *frame, const double *point) {
   return pbf_volume_has_local(frame, local);
 }
 
+pbf_backend_box pbf_volume_box(const pbf_volume_frame *frame, double margin) {
+  pbf_backend_box box = {{0}, {0}};
+  for (uint32_t k = 0; k < frame->dimension; ++k) {
+    double reach = margin;
+    for (uint32_t axis = 0; axis < frame->dimension; ++axis)
+      reach += fabs(frame->axes[axis][k]) * frame->half[axis];
+    reach += 1e-9 * (reach + fabs(frame->position[k]));
+    box.lower[k] = frame->position[k] - reach;
+    box.upper[k] = frame->position[k] + reach;
+  }
+  return box;
+}
+
 double pbf_volume_size(const pbf_volume_frame *frame) {
   const double r = frame->radius, l = 2 * frame->half_length;
   const int is_3d = frame->dimension == 3;

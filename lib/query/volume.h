@@ -2,6 +2,7 @@
 #ifndef PBF_LIB_QUERY_VOLUME_H
 #define PBF_LIB_QUERY_VOLUME_H
 
+#include <pbf/pbf_backend.h>
 #include <pbf/query.h>
 
 #include "check.h"
@@ -36,6 +37,9 @@ int pbf_volume_has_local(const pbf_volume_frame *frame, const double *local);
 
 /* The same of a point of the world. */
 int pbf_volume_has(const pbf_volume_frame *frame, const double *point);
+
+/* A box around what is within `margin` of it and, for rounding, a hair more. */
+pbf_backend_box pbf_volume_box(const pbf_volume_frame *frame, double margin);
 
 double pbf_volume_size(const pbf_volume_frame *frame);
 

@@ -27,10 +27,6 @@ void pbf_previous_set(pbf_solver *solver, uint32_t first, uint32_t count, const 
   memcpy(place(solver, first), positions, count * pbf_point_bytes(solver));
 }
 
-void pbf_previous_move(pbf_solver *solver, uint32_t from, uint32_t to) {
-  if (from != to) memcpy(place(solver, to), place(solver, from), pbf_point_bytes(solver));
-}
-
 static pbf_status keep_previous(pbf_solver *solver, uint32_t enabled) {
   if (enabled > 1)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "enabled is %u; it must be 0 or 1", enabled);

@@ -17,7 +17,4 @@ static inline void pbf_previous_forget(pbf_solver *solver) { solver->previous_co
 /* What was set elsewhere has been there. */
 void pbf_previous_set(pbf_solver *solver, uint32_t first, uint32_t count, const void *positions);
 
-/* A row becomes another one, which is no later. */
-void pbf_previous_move(pbf_solver *solver, uint32_t from, uint32_t to);
-
 #endif

@@ -381,6 +381,19 @@ AT(pbf_rows, count, 8);
 AT(pbf_rows, total, 12);
 AT(pbf_rows, ids, 16);
 
+SIZE(pbf_backend_box, 48);
+AT(pbf_backend_box, lower, 0);
+AT(pbf_backend_box, upper, 24);
+
+SIZE(pbf_backend_found, 40);
+AT(pbf_backend_found, struct_size, 0);
+AT(pbf_backend_found, room, 4);
+AT(pbf_backend_found, count, 8);
+AT(pbf_backend_found, reserved, 12);
+AT(pbf_backend_found, ids, 16);
+AT(pbf_backend_found, positions, 24);
+AT(pbf_backend_found, velocities, 32);
+
 SIZE(pbf_backend_state, 112);
 AT(pbf_backend_state, struct_size, 0);
 AT(pbf_backend_state, threads, 4);
@@ -419,7 +432,7 @@ AT(pbf_backend_array, reserved, 12);
 AT(pbf_backend_array, data, 16);
 AT(pbf_backend_array, owner, 24);
 
-SIZE(pbf_backend_api, 272);
+SIZE(pbf_backend_api, 280);
 AT(pbf_backend_api, struct_size, 0);
 AT(pbf_backend_api, reserved, 4);
 AT(pbf_backend_api, probe, 8);
@@ -455,6 +468,7 @@ AT(pbf_backend_api, set_phases, 240);
 AT(pbf_backend_api, plan_steps, 248);
 AT(pbf_backend_api, steps_leave, 256);
 AT(pbf_backend_api, set_accelerations, 264);
+AT(pbf_backend_api, find_in_boxes, 272);
 
 SIZE(pbf_backend_answer, 144);
 AT(pbf_backend_answer, struct_size, 0);

@@ -353,6 +353,45 @@ static pbf_status read_array(pbf_backend_solver *s, uint32_t field, const pbf_ro
   return rows->count ? read(s, field, rows, data) : PBF_OK;
 }
 
+static double number_at(const pbf_backend_solver *s, const unsigned char *values, uint64_t index) {
+  return s->desc.precision == PBF_FLOAT64 ? ((const double *)(const void *)values)[index]
+                                          : ((const float *)(const void *)values)[index];
+}
+
+static int is_in_any(const pbf_backend_solver *s, uint32_t row, uint32_t count,
+                     const pbf_backend_box *boxes) {
+  for (uint32_t b = 0; b < count; ++b) {
+    int inside = 1;
+    for (uint32_t k = 0; k < s->desc.dimension; ++k) {
+      const double x = number_at(s, s->positions, (uint64_t)row * s->desc.dimension + k);
+      inside &= x >= boxes[b].lower[k] && x <= boxes[b].upper[k];
+    }
+    if (inside) return 1;
+  }
+  return 0;
+}
+
+/* The last ones first, as the host may not go by any order. */
+static pbf_status find_in_boxes(pbf_backend_solver *s, uint32_t count, const pbf_backend_box *boxes,
+                                pbf_backend_found *found) {
+  const uint64_t bytes = row_bytes(s);
+  pbf_status status = ordered_failure();
+  if (status != PBF_OK) return status;
+  settle(s);
+  found->count = 0;
+  for (uint32_t row = s->count; row-- > 0;) {
+    if (!is_in_any(s, row, count, boxes)) continue;
+    if (found->count < found->room) {
+      found->ids[found->count] = s->ids[row];
+      memcpy((char *)found->positions + found->count * bytes, s->positions + row * bytes, bytes);
+      memcpy((char *)found->velocities + found->count * bytes, s->velocities + row * bytes, bytes);
+    }
+    ++found->count;
+  }
+  if (stub_control.lie == BALLISTIC_FOUND_COUNT) found->count = s->count + 1;
+  return PBF_OK;
+}
+
 static pbf_status write(pbf_backend_solver *s, uint32_t field, const pbf_rows *rows,
                         const void *in) {
   pbf_status status = check_rows(s, rows);
@@ -455,6 +494,7 @@ static const pbf_backend_api table = {
     .release_array = release_array,
     .read_array = read_array,
     .set_accelerations = set_accelerations,
+    .find_in_boxes = find_in_boxes,
 };
 
 EXPORT pbf_status pbf_backend_negotiate(const pbf_backend_host *h, pbf_backend_answer *answer);

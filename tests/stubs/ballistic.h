@@ -23,6 +23,7 @@ typedef enum ballistic_lie {
   BALLISTIC_STAGE_COUNT,
   BALLISTIC_ARRAY_COUNT,
   BALLISTIC_ENDLESS_TEXT,
+  BALLISTIC_FOUND_COUNT,
 } ballistic_lie;
 
 typedef struct ballistic_control {
