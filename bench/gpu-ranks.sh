@@ -30,7 +30,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
 fi
 ranks=$build/gpu_ranks
 ${CC:-cc} -std=c17 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/include" -I"$root/backends" "$root"/bench/gpu_ranks/*.c \
-  "$root"/bench/gpu_check/scenes.c "$root"/bench/gpu_check/solver.c "$root"/tests/ranks/thread_ranks.c -o "$ranks" \
+  "$root"/bench/gpu_check/flow.c "$root"/bench/gpu_check/scenes.c "$root"/bench/gpu_check/solver.c "$root"/tests/ranks/thread_ranks.c -o "$ranks" \
   -L"$build/lib" -lpbf -lm -lpthread "-Wl,-rpath,$build/lib" || exit 1
 devices=$(nvidia-smi --query-gpu=name --format=csv,noheader | wc -l)
 

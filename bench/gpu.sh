@@ -77,6 +77,10 @@ for extra in damping_compensation angular_momentum_correction shear_stress_corre
   timed shallow-dam-break 30000 2 $extra
   timed shallow-dam-break 1000000 2 $extra
 done
+for extra in periodic emitter drain reservoir; do
+  timed shallow-dam-break 5000 2 $extra
+  timed shallow-dam-break 1000000 2 $extra
+done
 for solids in '1 box' '64 box' '1000 box' '1000 hull' '1000 mesh' '1000 box move'; do
   # shellcheck disable=SC2086
   "$check" solids 1000000 $solids >>"$out/times.json" 2>&1 || failed=1

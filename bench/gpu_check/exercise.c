@@ -62,9 +62,22 @@ static scene deep_scene(uint32_t dimension) {
   return s;
 }
 
+/* What comes and goes among particles that had been removed before, so that ids have gaps. */
+static void exercise_flow(uint32_t dimension, uint32_t precision) {
+  scene s = shallow_dam_break(3000, 2);
+  s.dimension = dimension;
+  s.flow = "flow";
+  pbf_solver *solver = solver_for(&s, checked_backend, precision);
+  must(pbf_step(solver, 40), "pbf_step");
+  printf("{\"check\": \"flow\", \"dimension\": %u, \"precision\": %u, \"hash\": \"%016llx\"}\n",
+         dimension, 8 * precision, (unsigned long long)hash_of(solver));
+  pbf_destroy(solver);
+}
+
 void exercise_all(void) {
   for (uint32_t dim = 2; dim <= 3; ++dim)
     for (uint32_t precision = PBF_FLOAT32; precision <= PBF_FLOAT64; precision += 4) {
+      exercise_flow(dim, precision);
       scene deep = deep_scene(dim);
       exercise(&deep, precision);
       deep.collider_count = 0; /* nodes are then not torn */

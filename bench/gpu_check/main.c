@@ -10,19 +10,22 @@
  *   gpu_check solids N COUNT SHAPE [move]
  *                                 a dam breaks over so many boxes, hulls or meshes: the same
  *
- * EXTRA is f64, or the name of an optional parameter, which is turned on.
+ * EXTRA is f64, or the name of an optional parameter, which is turned on, periodic (along z), or
+ * emitter, drain, reservoir or flow, which is all three.
  * Prints one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
+#include "flow.h"
 #include "solver.h"
 
 static int usage(void) {
   fprintf(stderr,
           "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D [f64 | "
-          "optional parameter]] | solids N COUNT box|hull|mesh [move]\n");
+          "optional parameter | periodic | emitter | drain | reservoir | flow]] | solids N COUNT "
+          "box|hull|mesh [move]\n");
   return 2;
 }
 
@@ -34,7 +37,11 @@ static int time_named(int argc, char **argv) {
   uint32_t precision = strcmp(extra, "f64") == 0 ? PBF_FLOAT64 : PBF_FLOAT32;
   scene s = shallow_dam_break(particles, support), report = report_30k();
   s.extra = extra;
-  if (extra[0] && precision == PBF_FLOAT32 && !add_optional(&s, extra)) return usage();
+  s.flow = is_flow(extra) ? extra : NULL;
+  if (strcmp(extra, "periodic") == 0)
+    s.params.periodic = PBF_PERIODIC_Z;
+  else if (extra[0] && precision == PBF_FLOAT32 && !s.flow && !add_optional(&s, extra))
+    return usage();
   if (strcmp(argv[0], report.name) == 0)
     time_scene(&report, precision, 0, 100);
   else

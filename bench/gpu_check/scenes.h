@@ -19,6 +19,7 @@ typedef struct scene {
   pbf_collider colliders[SCENE_COLLIDERS];
   double jitter;     /* of the lattice, in spacings */
   const char *extra; /* what is timed beside the defaults */
+  const char *flow;  /* what comes and goes (flow.h), or null */
   int all_pairs;     /* no neighbour comes or goes in a step's iterations, or no lists are there */
 } scene;
 

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "flow.h"
+
 const char *checked_backend = "cuda";
 
 void must(pbf_status status, const char *what) {
@@ -37,6 +39,7 @@ pbf_solver *solver_for(const scene *s, const char *name, uint32_t precision) {
   free(positions);
   if (s->collider_count)
     must(pbf_set_colliders(solver, s->collider_count, s->colliders), "pbf_set_colliders");
+  add_flow(s, solver);
   return solver;
 }
 
