@@ -214,9 +214,8 @@ PBF_API pbf_status pbf_get_densities(pbf_solver *solver, uint32_t first, uint32_
  * until they are replaced; particles that were given none have 0. They stay with their particles
  * when others are removed. Null, with first and count 0, takes all away, and with them their
  * memory. Each call wakes what sleeps. The pressure grid carries them as it carries weight; whether
- * there is one, and cohesion, go by gravity alone. No part of a saved state: pbf_save returns
- * PBF_ERROR_STATE while there are some, pbf_load takes them away. PBF_ERROR_UNSUPPORTED from a
- * backend without them. */
+ * there is one, and cohesion, go by gravity alone. Part of a saved state. PBF_ERROR_UNSUPPORTED
+ * from a backend without them. */
 PBF_API pbf_status pbf_set_accelerations(pbf_solver *solver, uint32_t first, uint32_t count,
                                          const void *accelerations);
 
@@ -233,9 +232,10 @@ PBF_API pbf_status pbf_get_pressures(pbf_solver *solver, uint32_t first, uint32_
 
 /* ---- State ----------------------------------------------------------------------------------- */
 
-/* Writes parameters, colliders, emitters, drains, time and particles, portable between backends.
- * With `buffer` null, *size gets the bytes needed; else *size is the room there is, and gets the
- * bytes written. On the same backend and build, a loaded solver continues with the same bits. */
+/* Writes parameters, colliders, emitters, drains, time, particles and their accelerations, portable
+ * between backends. With `buffer` null, *size gets the bytes needed; else *size is the room there
+ * is, and gets the bytes written. On the same backend and build, a loaded solver continues with the
+ * same bits. */
 PBF_API pbf_status pbf_save(pbf_solver *solver, void *buffer, uint64_t *size);
 
 /* Replaces the solver's whole state. PBF_ERROR_DATA for anything that pbf_save did not write, of

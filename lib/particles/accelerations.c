@@ -40,19 +40,15 @@ static pbf_status tell_backend(pbf_solver *solver, uint32_t on) {
                             "set_accelerations");
 }
 
-pbf_status pbf_accelerations_clear(pbf_solver *solver) {
-  if (!pbf_has_accelerations(solver)) return PBF_OK;
-  pbf_accelerations_free(solver);
-  return tell_backend(solver, 0);
-}
-
 static pbf_status clear(pbf_solver *solver, uint32_t first, uint32_t count) {
   if (first || count)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "accelerations is null, first is %u and count %u; null with 0 and 0 takes all "
                     "accelerations away",
                     first, count);
-  return pbf_accelerations_clear(solver);
+  if (!pbf_has_accelerations(solver)) return PBF_OK;
+  pbf_accelerations_free(solver);
+  return tell_backend(solver, 0);
 }
 
 /* Room for them, here and in the backend. */
@@ -75,9 +71,12 @@ static pbf_status write_rows(pbf_solver *solver, const pbf_rows *rows, const voi
       "write");
 }
 
-pbf_status pbf_accelerations_restore(pbf_solver *solver, uint32_t count, const uint32_t *ids) {
-  const pbf_rows rows = {sizeof rows, 0, solver->acceleration_count, count, ids};
-  return rows.count ? write_rows(solver, &rows, solver->accelerations) : PBF_OK;
+pbf_status pbf_accelerations_to_backend(pbf_solver *solver, const void *accelerations,
+                                        uint32_t rows, uint32_t count, const uint32_t *ids) {
+  const pbf_rows given = {sizeof given, 0, rows, count, ids};
+  if (!solver->api.set_accelerations) return PBF_OK; /* so that there are none */
+  pbf_status status = tell_backend(solver, accelerations != NULL);
+  return status == PBF_OK && rows ? write_rows(solver, &given, accelerations) : status;
 }
 
 static void note(pbf_solver *solver, uint32_t first, uint32_t count, const void *in) {

@@ -22,10 +22,9 @@ double pbf_largest_acceleration(const pbf_solver *solver);
 /* Without the backend's. */
 void pbf_accelerations_free(pbf_solver *solver);
 
-/* Writes what particles with these ids have to the backend once more. */
-pbf_status pbf_accelerations_restore(pbf_solver *solver, uint32_t count, const uint32_t *ids);
-
-/* Takes all away. */
-pbf_status pbf_accelerations_clear(pbf_solver *solver);
+/* To the backend, after the `count` particles with these ids, of which the first `rows` have these
+ * accelerations; null: none has any. */
+pbf_status pbf_accelerations_to_backend(pbf_solver *solver, const void *accelerations,
+                                        uint32_t rows, uint32_t count, const uint32_t *ids);
 
 #endif

@@ -76,7 +76,8 @@ static void restore_particles(pbf_solver *solver, const previous_state *previous
   replace_particles(solver, count, ids, previous->positions, previous->velocities);
   pbf_phases_to_backend(solver, solver->phases, count, ids);
   pbf_overlap_restore(solver, &solver->overlap);
-  pbf_accelerations_restore(solver, count, ids);
+  pbf_accelerations_to_backend(solver, solver->accelerations, solver->acceleration_count, count,
+                               ids);
   pbf_kept_write(solver, count, ids, &previous->kept);
 }
 
@@ -100,6 +101,9 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
     status = replace_particles(solver, in->header.count, in->ids, in->positions, in->velocities);
   if (status == PBF_OK)
     status = pbf_phases_to_backend(solver, in->phases, in->header.count, in->ids);
+  if (status == PBF_OK && (in->accelerations || pbf_has_accelerations(solver)))
+    status = pbf_accelerations_to_backend(solver, in->accelerations, in->header.acceleration_count,
+                                          in->header.count, in->ids);
   if (status == PBF_OK) status = pbf_overlap_restore(solver, &in->header.overlap);
   if (status == PBF_OK) status = pbf_kept_write(solver, in->header.count, in->ids, &in->kept);
   if (status == PBF_OK) status = pbf_time_to_backend(solver, in->time);
@@ -131,7 +135,10 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   solver->planned = in->header.planned;
   solver->step_length_checked = 0;
   pbf_previous_forget(solver);
-  pbf_accelerations_clear(solver);
+  pbf_accelerations_free(solver);
+  solver->accelerations = in->accelerations;
+  solver->acceleration_count = in->header.acceleration_count;
+  in->accelerations = NULL;
   ++solver->generation;
   pbf_colliders_replace(solver, in->header.collider_count, in->colliders, in->header.collider_time);
   in->colliders = NULL;

@@ -32,6 +32,8 @@ static pbf_snapshot_header header_of(const pbf_solver *solver) {
       .emission = (uint32_t)pbf_emission_saved_size(solver),
       .phases = pbf_phases_saved_size(solver),
       .diffuse = pbf_diffuse_saved_size(solver),
+      .has_accelerations = (uint32_t)pbf_has_accelerations(solver),
+      .acceleration_count = solver->acceleration_count,
       .next_id = solver->next_id,
       .step = solver->step,
       .steps_since = solver->steps_since,
@@ -109,6 +111,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
   if (header->emission > 0) pbf_emission_save(solver, (unsigned char *)buffer + layout.emission);
   if (header->phases > 0) pbf_phases_save(solver, (unsigned char *)buffer + layout.phases);
   if (header->diffuse > 0) pbf_diffuse_save(solver, (unsigned char *)buffer + layout.diffuse);
+  put(buffer, layout.accelerations, solver->accelerations, pbf_snapshot_acceleration_bytes(header));
   pbf_status status = write_particles(solver, header, &layout, buffer);
   uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
   put(buffer, layout.checksum, &checksum, sizeof checksum);
@@ -118,10 +121,6 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
 static pbf_status save(pbf_solver *solver, void *buffer, uint64_t *size) {
   pbf_status status = pbf_check_pointer("size", size, sizeof *size);
   if (status != PBF_OK) return status;
-  if (pbf_has_accelerations(solver))
-    return pbf_fail(PBF_ERROR_STATE,
-                    "particles have accelerations, which a saved state does not hold; "
-                    "pbf_set_accelerations with null takes them away");
   pbf_snapshot_header header = header_of(solver);
   if (buffer && *size < header.size) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "*size is %" PRIu64 "; the state needs %" PRIu64,

@@ -11,6 +11,7 @@
 #include "fnv.h"
 #include "memory.h"
 #include "params.h"
+#include "particles/accelerations.h"
 #include "particles/values.h"
 #include "shape/registry.h"
 #include "solver/colliders.h"
@@ -53,7 +54,9 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
       header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
       header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY || header->phases > size ||
-      header->diffuse > size || pbf_snapshot_layout_of(header).size != size)
+      header->diffuse > size || header->has_accelerations > 1 ||
+      header->acceleration_count > header->has_accelerations * header->count ||
+      pbf_snapshot_layout_of(header).size != size)
     return reject("contradicts itself in its sizes");
   int has_ids_rightly = header->has_ids || header->next_id == header->count;
   if (!has_ids_rightly || header->next_id < header->count || header->next_id > UINT64_C(1) << 32 ||
@@ -192,6 +195,18 @@ static pbf_status read_particles(const pbf_solver *solver, pbf_saved_state *in) 
   return status;
 }
 
+static pbf_status read_accelerations(const pbf_solver *solver, pbf_saved_state *in) {
+  const uint64_t bytes = pbf_snapshot_acceleration_bytes(&in->header);
+  if (in->accelerations && !solver->api.set_accelerations)
+    return pbf_fail(PBF_ERROR_DATA,
+                    "the saved state has accelerations of particles, and the backend \"%s\" none",
+                    solver->plugin->name);
+  if (bytes == 0) return PBF_OK;
+  memcpy(in->accelerations, in->buffer + in->layout.accelerations, bytes);
+  return pbf_values_check_finite(solver, "accelerations", in->accelerations,
+                                 in->header.acceleration_count, 0);
+}
+
 static pbf_status allocate_section(const pbf_solver *solver, uint64_t size, void *pointer) {
   void *memory;
   if (size == 0) return PBF_OK;
@@ -207,6 +222,8 @@ static pbf_status allocate(const pbf_solver *solver, pbf_saved_state *in) {
   if (status == PBF_OK) status = allocate_section(solver, pbf_ids_bytes(solver), &in->ids);
   if (status == PBF_OK) status = allocate_section(solver, bytes, &in->positions);
   if (status == PBF_OK) status = allocate_section(solver, bytes, &in->velocities);
+  if (status == PBF_OK && in->header.has_accelerations)
+    status = allocate_section(solver, pbf_accelerations_bytes(solver), &in->accelerations);
   if (status != PBF_OK) return status;
   return pbf_kept_allocate(solver, in->header.kept, in->header.count, "loading a state", &in->kept);
 }
@@ -230,6 +247,7 @@ static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   if (status == PBF_OK) status = read_colliders(solver, in);
   if (status == PBF_OK) status = read_ids(in);
   if (status == PBF_OK) status = read_particles(solver, in);
+  if (status == PBF_OK) status = read_accelerations(solver, in);
   if (status == PBF_OK)
     status = pbf_emission_read(solver, in->buffer + in->layout.emission, in->header.emission,
                                in->header.next_id, &in->emission);
@@ -268,6 +286,7 @@ void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   pbf_memory_free(&solver->allocator, in->positions, bytes);
   pbf_memory_free(&solver->allocator, in->velocities, bytes);
   pbf_kept_free(solver, &in->kept);
+  pbf_memory_free(&solver->allocator, in->accelerations, pbf_accelerations_bytes(solver));
   pbf_emission_free(solver, in->emission);
   pbf_phases_free(solver, in->phases);
   pbf_diffuse_free(solver, in->diffuse);

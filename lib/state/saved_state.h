@@ -19,6 +19,7 @@ typedef struct pbf_saved_state {
   void *positions;
   void *velocities;
   pbf_kept_fields kept;
+  void *accelerations;    /* as the solver's own, or null */
   pbf_emission *emission; /* or null */
   pbf_phases *phases;     /* or null */
   pbf_diffuse *diffuse;   /* or null */

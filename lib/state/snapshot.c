@@ -8,6 +8,10 @@ uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header) {
   return (uint64_t)header->count * header->dimension * header->precision;
 }
 
+uint64_t pbf_snapshot_acceleration_bytes(const pbf_snapshot_header *header) {
+  return (uint64_t)header->acceleration_count * header->dimension * header->precision;
+}
+
 uint64_t pbf_snapshot_kept_bytes(const pbf_snapshot_header *header, pbf_kept kept) {
   return pbf_kept_bytes(kept, header->kept, header->count, header->precision);
 }
@@ -31,7 +35,8 @@ pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header) {
   layout.emission = next;
   layout.phases = next + padded(header->emission);
   layout.diffuse = layout.phases + padded(header->phases);
-  layout.checksum = layout.diffuse + padded(header->diffuse);
+  layout.accelerations = layout.diffuse + padded(header->diffuse);
+  layout.checksum = layout.accelerations + padded(pbf_snapshot_acceleration_bytes(header));
   layout.size = layout.checksum + 8;
   return layout;
 }

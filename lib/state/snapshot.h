@@ -3,7 +3,7 @@
  *   which have been shifted alike | ids, unless they are 0 … count - 1 | positions | velocities |
  *   what the backend keeps of each particle in some scenes (kept.h) | emitters, drains, lifetimes,
  *   if any | phases, if any | spray,
- *   foam and bubbles, if any | FNV-1a over all before it
+ *   foam and bubbles, if any | accelerations, if any | FNV-1a over all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_STATE_SNAPSHOT_H
@@ -18,7 +18,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 #define PBF_SNAPSHOT_MAGIC \
   { 'P', 'B', 'F', 'S', 'T', 'A', 'T', 'E' }
 
-enum { PBF_SNAPSHOT_VERSION = 10 };
+enum { PBF_SNAPSHOT_VERSION = 11 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];
@@ -41,21 +41,25 @@ typedef struct pbf_snapshot_header {
   double collider_time;
   pbf_overlap_state overlap;
   pbf_placement placement;
-  uint64_t phases;  /* bytes of them, or 0 */
-  uint64_t diffuse; /* bytes of spray, foam and bubbles, or 0 */
-  uint64_t size;    /* of everything */
+  uint64_t phases;             /* bytes of them, or 0 */
+  uint64_t diffuse;            /* bytes of spray, foam and bubbles, or 0 */
+  uint32_t has_accelerations;  /* of particles, … */
+  uint32_t acceleration_count; /* … which so many of the first rows were given */
+  uint64_t size;               /* of everything */
 } pbf_snapshot_header;
 
 /* Where the sections begin. */
 typedef struct pbf_snapshot_layout {
   uint64_t params, colliders, marks, ids, positions, velocities, kept[PBF_KEPT_COUNT], emission,
-      phases, diffuse, checksum, size;
+      phases, diffuse, accelerations, checksum, size;
 } pbf_snapshot_layout;
 
 pbf_snapshot_layout pbf_snapshot_layout_of(const pbf_snapshot_header *header);
 
 /* Bytes of positions, and as many of velocities. */
 uint64_t pbf_snapshot_field_bytes(const pbf_snapshot_header *header);
+
+uint64_t pbf_snapshot_acceleration_bytes(const pbf_snapshot_header *header);
 
 /* Bytes of what a backend keeps of this kind, or 0. */
 uint64_t pbf_snapshot_kept_bytes(const pbf_snapshot_header *header, pbf_kept kept);

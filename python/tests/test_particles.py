@@ -65,11 +65,13 @@ def test_accelerations(make):
     fluid.step(10)
     right = [[0, 0, 0], [0, 0.2, 0], [0.1, 0, 0]]
     assert np.allclose(fluid.velocities, right, atol=1e-6)
-    with pytest.raises(pbf.StateError, match="accelerations"):
-        fluid.save()
+    saved = fluid.save()
     fluid.set_accelerations(None)
     fluid.step(1)
     assert np.allclose(fluid.velocities, right, atol=1e-6)
+    fluid.load(saved)
+    fluid.step(10)
+    assert np.allclose(fluid.velocities, 2 * np.array(right), atol=1e-6)
 
 
 @pytest.mark.parametrize("positions, words", [

@@ -197,7 +197,7 @@ static void forged_headers(void **state) {
       {AT_VERSION, 4, 1},          {AT_COUNT, 4, 26},          {AT_COUNT, 4, 0xffffffffu},
       {AT_COLLIDERS, 4, 0},        {AT_COLLIDERS, 4, 4000000}, {AT_HAS_IDS, 4, 0},
       {AT_HAS_IDS, 4, 2},          {AT_NEXT_ID, 8, 5},         {AT_NEXT_ID, 8, 28},
-      {AT_NEXT_ID, 8, UINT64_MAX}, {AT_VERSION, 4, 9},         {AT_VERSION, 4, 11},
+      {AT_NEXT_ID, 8, UINT64_MAX}, {AT_VERSION, 4, 10},        {AT_VERSION, 4, 12},
       {AT_RESERVED, 4, 1},
   };
   for (size_t i = 0; i < sizeof forgeries / sizeof forgeries[0]; ++i) {

@@ -7,7 +7,7 @@
 #include "kind.h"
 #include "target.h"
 
-enum { CAPACITY = 64, SEALED = 4, SIZED = 8, AT_SIZE = 88, MOST_ITERATIONS = 8 };
+enum { CAPACITY = 64, SEALED = 4, SIZED = 8, AT_HEADER_SIZE = 12, MOST_ITERATIONS = 8 };
 
 typedef struct shape {
   uint64_t hash;
@@ -73,7 +73,12 @@ static unsigned char *forged(const uint8_t *data, size_t size, unsigned flags) {
   unsigned char *state = malloc(size + !size);
   if (size) memcpy(state, data, size);
   uint64_t told = size;
-  if (flags & SIZED && size >= AT_SIZE + sizeof told) memcpy(state + AT_SIZE, &told, sizeof told);
+  if (flags & SIZED && size >= AT_HEADER_SIZE + 4) { /* the header ends with the size */
+    uint32_t header;
+    memcpy(&header, state + AT_HEADER_SIZE, sizeof header);
+    if (header >= sizeof told && header <= size)
+      memcpy(state + header - sizeof told, &told, sizeof told);
+  }
   if (flags & SEALED && size >= 8) {
     uint64_t checksum = checksum_of(state, size - 8);
     memcpy(state + size - 8, &checksum, sizeof checksum);

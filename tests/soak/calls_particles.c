@@ -272,19 +272,24 @@ static const void *places(const rows *r) { return r->x; }
 static const void *speeds(const rows *r) { return r->v; }
 
 void call_set_positions(actor *a) { set_rows(a, set_positions, get_positions, places); }
-/* Given and taken away at once: saved states do not hold them. */
+
 static pbf_status set_accelerations(pbf_solver *solver, int twin, void *context) {
   rows *r = context;
   (void)twin;
-  const pbf_status status = pbf_set_accelerations(solver, r->first, r->count, r->v);
-  return status == PBF_OK ? pbf_set_accelerations(solver, 0, 0, NULL) : status;
+  return pbf_set_accelerations(solver, r->first, r->count, r->v);
+}
+
+static pbf_status clear_accelerations(pbf_solver *solver, int twin, void *context) {
+  (void)twin;
+  (void)context;
+  return pbf_set_accelerations(solver, 0, 0, NULL);
 }
 
 void call_set_accelerations(actor *a) {
   rows *r = rows_of(a);
   draw_rows(a, r);
   draw_places(a, r);
-  call_both(a, set_accelerations, r, 0);
+  call_both(a, dice_one_in(&a->dice, 3) ? clear_accelerations : set_accelerations, r, 0);
 }
 
 void call_set_velocities(actor *a) { set_rows(a, set_velocities, get_velocities, speeds); }
