@@ -6,7 +6,7 @@
 #include "cuda/population.h"
 
 /* As many as go with a kernel's arguments. */
-enum { BOXES_A_LAUNCH = 32 };
+constexpr uint32_t BOXES_A_LAUNCH = 32;
 
 struct some_boxes {
   uint32_t count;
