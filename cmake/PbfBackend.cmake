@@ -93,6 +93,8 @@ function(pbf_add_variant out name variant)
     PBF_DIM=${dim} PBF_BITS=${bits} PBF_REAL=${real} PBF_VARIANT_API=${name}_${dim}d_f${bits})
   target_link_libraries(${target} PRIVATE pbf_compile)
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${pbf_backend_warnings}>")
+  target_compile_options(${target} PRIVATE
+    "$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<NOT:$<CONFIG:MinSizeRel>>>:${pbf_backend_copies}>")
   set_property(GLOBAL APPEND PROPERTY PBF_VARIANT_OBJECTS $<TARGET_OBJECTS:${target}>)
   set(${out} $<TARGET_OBJECTS:${target}> PARENT_SCOPE)
 endfunction()
