@@ -11,7 +11,8 @@
 typedef struct block {
   _Alignas(LIST_UNIT) uint32_t first[PARTS]; /* the particle in slot 1 of each window */
   uint32_t rounds;                           /* most neighbours of a particle */
-  uint32_t image;                            /* of the group, from which they are there: IMAGES */
+  uint16_t image;                            /* of the group, from which they are there: IMAGES */
+  uint16_t parts;                            /* windows */
 } block;
 
 enum { MAX_ROUNDS = PARTS * (SLOTS - 1), DENSE_ROUNDS = 28 * PARTS };
@@ -30,7 +31,7 @@ PBF_FN void block_write(uint8_t *at, const block *b, const u32_lanes masks[PARTS
   memcpy(at, b, sizeof *b);
   at += sizeof *b;
   if (b->rounds <= DENSE_ROUNDS) {
-    list_set_bits(masks, b->rounds, at);
+    list_set_bits(masks, b->parts, b->rounds, at);
     return;
   }
   for (int part = 0; part < PARTS; ++part)
@@ -56,7 +57,7 @@ static __attribute__((noinline)) const uint8_t *list_dense(const block *b, uint8
   u32_lanes masks[PARTS];
   for (int part = 0; part < PARTS; ++part)
     masks[part] = u32_load((const uint32_t *)(const void *)(b + 1) + part * WIDTH);
-  list_set_bits(masks, b->rounds, list);
+  list_set_bits(masks, b->parts, b->rounds, list);
   return list;
 }
 

@@ -24,10 +24,20 @@ PBF_FN pbf_real contribution_reach(const pbf_constants *c) {
   return (pbf_real)1.001 * (c->h - c->wall_offset);
 }
 
+/* Whether the nearest of domain_distances is below this. */
+PBF_FN int any_near_domain(const pbf_domain *domain, const lane_vector<lane> &x, pbf_real reach) {
+  lane beyond = ops<lane>::set(-reach); /* a wall; negative inside */
+  for (int k = 0; k < PBF_DIM; ++k) {
+    beyond = ops<lane>::max(beyond, ops<lane>::set(domain->lower.c[k]) - x.c[k]);
+    beyond = ops<lane>::max(beyond, x.c[k] - ops<lane>::set(domain->upper.c[k]));
+  }
+  return lane_any_below(ops<lane>::set(-reach), beyond);
+}
+
 /* Some may be; of colliders nothing is known. */
-PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o, const lane_values *x,
-                          pbf_real distances[WIDTH]) {
-  return pbf_surface_count(*o) || domain_distances(o, x, distances) < contribution_reach(c);
+PBF_FN int near_obstacles(const pbf_constants *c, const pbf_obstacles *o,
+                          const lane_vector<lane> &x) {
+  return pbf_surface_count(*o) || any_near_domain(&o->domain, x, contribution_reach(c));
 }
 
 /* What an array has at the nodes 0 … PBF_WALL_LAST - 1, one for each lane. */

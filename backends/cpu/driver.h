@@ -44,14 +44,16 @@ PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &o
                           const typename Pass::template own<lane> &own, uint32_t g,
                           typename Pass::template sums<lane> *sums) {
   uint8_t space[MAX_ROUNDS * WIDTH];
+  block_places places;
   for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
     const block *b = current_block(&w);
     lane_vector<lane> x = load_vector(p->x, g * WIDTH);
     if (b->image) x = add_image(x, p, b);
     const auto &seen = own_of_image(own, p, b, 0);
-    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER > 0 ? of.number : NULL);
+    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER > 0 ? of.number : NULL, &places);
     vector_table vectors;
-    if (Pass::VECTOR) vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL);
+    if (Pass::VECTOR)
+      vectors = vectors_in(b, p, of.vector, Pass::NUMBER > 1 ? of.second : NULL, &places);
     const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
     const auto add = [&](const pair_lanes &now) __attribute__((always_inline)) {
       neighbor_of<lane> j;

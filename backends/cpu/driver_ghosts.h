@@ -83,11 +83,12 @@ PBF_FN typename Pass::template sums<lane> sums_with_ghosts(const Pass &pass, con
   memset(&ghosts, 0, sizeof ghosts);
   add_ghosts(pass, m, own, itself, &ghosts);
   uint8_t space[MAX_ROUNDS * WIDTH];
+  block_places places;
   for (block_cursor w = group_blocks(&p->lists, g); w.left;) {
     const block *b = current_block(&w);
     lane_vector<lane> x = load_vector(p->x, g * WIDTH);
     if (b->image) x = add_image(x, p, b);
-    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL);
+    const neighbor_table around = neighbors_in(b, p, Pass::NUMBER ? of.number : NULL, &places);
     const uint8_t *list = next_list(&w, space), *end = list + b->rounds * WIDTH;
     for (pair_lanes next = pairs_listed(b, list, x, &around); list < end;) {
       const pair_lanes pair = next;

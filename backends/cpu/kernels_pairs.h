@@ -102,7 +102,7 @@ static __attribute__((noinline)) int add_no_slip_at(const pair_pass *p, const vi
 static __attribute__((noinline)) int group_may_stick(const pair_pass *p, const viscous_pass *s,
                                                      uint32_t g) {
   if (!s->obstacles || pbf_surface_count(*s->obstacles)) return s->obstacles != NULL;
-  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
+  const lane_values xs = values_of(load_vector(p->x, g * WIDTH));
   _Alignas(64) pbf_real distances[WIDTH];
   return domain_distances(s->obstacles, &xs, distances) < p->constants->h;
 }

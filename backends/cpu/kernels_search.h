@@ -114,10 +114,11 @@ static void put_block(builder *b, const neighbor_window *windows, uint32_t count
   for (uint32_t part = 0; part < PARTS; ++part) {
     to.first[part] = windows[part < count ? part : 0].first;
     masks[part] = part < count ? windows[part].near : u32_set(0);
-    neighbors = neighbors + u32_popcount(masks[part]);
+    if (part < count) neighbors = neighbors + u32_popcount(masks[part]);
   }
   to.rounds = u32_max(neighbors);
-  to.image = windows[0].image;
+  to.image = (uint16_t)windows[0].image;
+  to.parts = (uint16_t)count;
   uint32_t units = block_units(to.rounds);
   if (b->next + units > b->arena->end && !b->lacking) move_list(b, units);
   if (!b->lacking) block_write(b->data + b->next * LIST_UNIT, &to, masks);

@@ -79,13 +79,11 @@ PBF_FN int64_t *asked_excess(const pair_pass *p) {
 }
 
 static __attribute__((noinline)) int group_near_obstacles(const pair_pass *p, uint32_t g) {
-  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
-  _Alignas(64) pbf_real distances[WIDTH];
-  return near_obstacles(p->constants, p->contributing, &xs, distances);
+  return near_obstacles(p->constants, p->contributing, load_vector(p->x, g * WIDTH));
 }
 
 PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g, const lanes_asked *asked) {
-  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
+  const lane_values xs = values_of(load_vector(p->x, g * WIDTH));
   lane_boundary boundary;
   boundary_of_group(p->constants, p->contributing, &xs, asked, &boundary);
   return boundary;
@@ -96,8 +94,8 @@ static __attribute__((noinline)) const lanes_asked *ask_lanes(const pair_pass *p
                                                               lanes_asked *asked) {
   const clear_particles *clear = &p->clear;
   if (!clear->is_clear) return NULL;
-  const lane_values xs = load_lanes(&p->x, g * WIDTH, WIDTH);
-  const lane_values from = load_lanes(&clear->predicted, g * WIDTH, WIDTH);
+  const lane_values xs = values_of(load_vector(p->x, g * WIDTH));
+  const lane_values from = values_of(load_vector(clear->predicted, g * WIDTH));
   pbf_real *is_clear = clear->is_clear + g * WIDTH;
   if (clear->first) find_clear(p->constants, p->contributing, &xs, is_clear);
   *asked = lanes_beyond(is_clear, &from, &xs, clear_way(p->constants));
@@ -221,7 +219,17 @@ PBF_FN void correct_change(const pair_pass *p, const pbf_real *lambda, uint32_t 
   }
 }
 
+/* Whether the domain leaves all lanes where they are; it does not what is no number. */
+PBF_FN bool is_inside(const pbf_domain *domain, const lane_values *x) {
+  bool inside = true;
+  for (int k = 0; k < PBF_DIM; ++k)
+    inside = inside && lane_all_below(ops<lane>::set(domain->lower.c[k]), lane_load(x->c[k])) &&
+             lane_all_below(lane_load(x->c[k]), ops<lane>::set(domain->upper.c[k]));
+  return inside;
+}
+
 PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
+  if (is_inside(&obstacles->domain, x)) return;
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec clamped = pbf_keep_in_domain(&obstacles->domain, lane_value(x, l));
     set_lane(x, l, clamped);

@@ -11,7 +11,11 @@ namespace {
 
 /* A pair in each lane: particle i, and the one at a place in the block's windows. */
 struct pair_lanes {
+#ifdef LANES_QUADS
+  const uint8_t *j; /* slots */
+#else
   lane_indices j;
+#endif
   lane_vector<lane> x_ij;
   lane r2;
 #ifdef LANES_QUADS
@@ -27,20 +31,37 @@ PBF_FN lane dot(const lane_vector<lane> &a, const lane_vector<lane> &b) {
 
 #ifdef LANES_QUADS
 
-typedef const pbf_real *neighbor_table;
+/* Where the quads of a block's slots begin, in halves of a quad. */
+struct block_places {
+  alignas(64) int32_t of[PARTS * SLOTS];
+};
+
+struct neighbor_table {
+  const pbf_real *quads;
+  const int32_t *places;
+};
+
+PBF_FN void lay_out(const block *b, block_places *places) {
+  for (uint32_t part = 0; part < b->parts; ++part)
+    for (uint32_t slot = 0; slot < SLOTS; ++slot)
+      places->of[part * SLOTS + slot] = (int32_t)(2 * (b->first[part] + slot - 1));
+  places->of[0] = -2;
+}
 
 /* `number` is in the quads already. */
-PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
-  (void)b;
+PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number,
+                                   block_places *places) {
   (void)number;
-  return p->quads;
+  lay_out(b, places);
+  return {p->quads, places->of};
 }
 
 PBF_FN pair_lanes pairs_listed(const block *b, const uint8_t *list, const lane_vector<lane> &x,
                                const neighbor_table *around) {
   lane quad[4];
-  pair_lanes p = {.j = lane_indices_of(b->first, u32_of_bytes(list))};
-  load_packed(*around, p.j, quad);
+  (void)b;
+  pair_lanes p = {.j = list};
+  load_packed(around->quads, around->places, p.j, quad);
   for (int k = 0; k < PBF_DIM; ++k) p.x_ij.c[k] = x.c[k] - quad[k];
   p.r2 = dot(p.x_ij, p.x_ij);
   p.number = quad[3];
@@ -53,21 +74,21 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
 }
 
 /* Of another vector, and a second number with it: what pack has made of them. */
-typedef const pbf_real *vector_table;
+typedef neighbor_table vector_table;
 
 PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
-                               const pbf_real *second) {
+                               const pbf_real *second, const block_places *places) {
   (void)b;
   (void)v;
   (void)second;
-  return p->vectors;
+  return {p->vectors, places->of};
 }
 
 /* `second` null: without. */
-PBF_FN lane_vector<lane> vector_of(const vector_table *t, lane_indices j, lane *second) {
+PBF_FN lane_vector<lane> vector_of(const vector_table *t, const uint8_t *j, lane *second) {
   lane quad[4];
   lane_vector<lane> v;
-  load_packed(*t, j, quad);
+  load_packed(t->quads, t->places, j, quad);
   for (int k = 0; k < PBF_DIM; ++k) v.c[k] = quad[k];
   if (second) *second = quad[3];
   return v;
@@ -109,7 +130,10 @@ struct neighbor_table {
   window number;
 };
 
-PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number) {
+struct block_places {};
+
+PBF_FN neighbor_table neighbors_in(const block *b, const pair_pass *p, const pbf_real *number,
+                                   block_places *) {
   neighbor_table around = {.x = vector_table_of(&p->x, b, p->lists.far)};
   if (number) around.number = window_of(number, b->first, 0);
   return around;
@@ -129,7 +153,7 @@ PBF_FN lane number_of(const neighbor_table *around, const pair_lanes *p) {
 }
 
 PBF_FN vector_table vectors_in(const block *b, const pair_pass *p, const field *v,
-                               const pbf_real *second) {
+                               const pbf_real *second, const block_places *) {
   (void)p;
   vector_table t = vector_table_of(v, b, 0);
   if (second) t.second = window_of(second, b->first, 0);

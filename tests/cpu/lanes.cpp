@@ -67,6 +67,26 @@ static void arithmetic(void **state) {
   }
 }
 
+/* What is no number is below nothing, and nothing below it. */
+static void comparisons(void **state) {
+  (void)state;
+  uint64_t seed = 4;
+  for (int k = 0; k < 1000; ++k) {
+    pbf_real x[WIDTH];
+    int any = 0, all = 1;
+    const uint32_t odd_one = random_bits(&seed) % WIDTH, kind = random_bits(&seed) % 3;
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      x[l] = (pbf_real)(k % 2);
+      if (l == odd_one) x[l] = kind == 0 ? (pbf_real)NAN : (pbf_real)(kind - 1);
+      any |= x[l] < 1;
+      all &= x[l] < 1;
+    }
+    assert_int_equal(lane_any_below(lane_load(x), ops<lane>::set(1)) != 0, any);
+    assert_int_equal(lane_all_below(lane_load(x), ops<lane>::set(1)) != 0, all);
+    assert_int_equal(lane_all_below(ops<lane>::set(1), lane_load(x)) != 0, 0);
+  }
+}
+
 static void masks(void **state) {
   (void)state;
   uint64_t seed = 2;
@@ -115,7 +135,7 @@ static void lists(void **state) {
       rounds = bits > rounds ? bits : rounds;
     }
     for (int part = 0; part < PARTS; ++part) m[part] = u32_load(in[part]);
-    list_set_bits(m, rounds, list);
+    list_set_bits(m, k % 7 ? PARTS : 1, rounds, list);
     for (uint32_t l = 0; l < WIDTH; ++l) {
       uint32_t seen[PARTS] = {0}, listed = 0, last = 0;
       for (uint32_t r = 0; r < rounds; ++r) {
@@ -138,6 +158,7 @@ static void lists(void **state) {
 
 static void look_ups(void **state) {
   (void)state;
+#ifndef LANES_QUADS
   static pbf_real array[1024];
   uint32_t first[PARTS];
   for (int i = 0; i < 1024; ++i) array[i] = (pbf_real)(i + 1);
@@ -156,6 +177,7 @@ static void look_ups(void **state) {
       assert_true(found[l] == (bytes[l] ? array[index] : -7));
     }
   }
+#endif
 }
 
 /* The quad before the first is the sentinel's. */
@@ -165,7 +187,11 @@ static void quads(void **state) {
   alignas(64) static pbf_real array[4 * 1040];
   pbf_real *of_first = array + 4 * 16;
   uint32_t first[PARTS];
+  int32_t places[PARTS * SLOTS];
   for (uint32_t part = 0; part < PARTS; ++part) first[part] = 20 + 53 * part;
+  for (uint32_t slot = 0; slot < PARTS * SLOTS; ++slot)
+    places[slot] = 2 * (int32_t)(first[slot / SLOTS] + slot % SLOTS - 1);
+  places[0] = -2;
   for (int i = 0; i + WIDTH <= 1024; i += WIDTH) {
     lane quad[4];
     pbf_real in[4][WIDTH];
@@ -183,7 +209,7 @@ static void quads(void **state) {
       bytes[l] = (uint8_t)((begin + 37 * l) % (PARTS * SLOTS));
       if (bytes[l] % SLOTS == 0) bytes[l] = 0;
     }
-    load_packed(of_first, lane_indices_of(first, u32_of_bytes(bytes)), quad);
+    load_packed(of_first, places, bytes, quad);
     for (int c = 0; c < 4; ++c) {
       pbf_real found[WIDTH];
       lane_store(found, quad[c]);
@@ -200,7 +226,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(square_roots), cmocka_unit_test(multiply_add), cmocka_unit_test(arithmetic),
       cmocka_unit_test(masks),        cmocka_unit_test(lists),        cmocka_unit_test(look_ups),
-      cmocka_unit_test(quads),
+      cmocka_unit_test(quads),        cmocka_unit_test(comparisons),
   };
   cpu_isa best;
   char reason[128];

@@ -63,7 +63,7 @@ static const watched *watched_at(unsigned k) {
       WATCH(pbf_find_contact<pbf_surface>, COLLIDERS),
       WATCH(resolve_group, COLLIDERS),
       WATCH(pbf_wall_interpolated, WALL_DENSITY),
-      WATCH(domain_distances, WALL_DENSITY),
+      WATCH(group_near_obstacles, WALL_DENSITY),
       WATCH(clear_totals, CHEBYSHEV),
       WATCH(pbf_accelerate, CHEBYSHEV),
       WATCH(pbf_error_units, TOLERANCE),

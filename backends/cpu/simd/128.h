@@ -13,14 +13,6 @@ typedef pbf_real lane __attribute__((vector_size(16)));
 enum { WIDTH = 16 / sizeof(pbf_real) };
 typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
-typedef struct window {
-  const pbf_real *array;
-  pbf_real sentinel;
-} window;
-typedef struct lane_indices {
-  uint32_t index[WIDTH];
-  int known[WIDTH];
-} lane_indices;
 
 #if PBF_BITS == 32
 typedef int32_t lane_mask __attribute__((vector_size(16)));
@@ -98,6 +90,12 @@ PBF_FN int lane_any_below(lane a, lane b) {
   memcpy(halves, &below, sizeof halves);
   return (halves[0] | halves[1]) != 0;
 }
+PBF_FN int lane_all_below(lane a, lane b) {
+  const lane_mask below = a < b;
+  uint64_t halves[2];
+  memcpy(halves, &below, sizeof halves);
+  return (halves[0] & halves[1]) == UINT64_MAX;
+}
 
 #if PBF_BITS == 32
 PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes){a, a, a, a}; }
@@ -150,31 +148,11 @@ template <int... k>
 PBF_FN u32_lanes bytes_in_lanes(const uint8_t *p, lane_numbers<k...>) {
   return (u32_lanes){p[k]...};
 }
-
-template <int... k>
-PBF_FN lane_indices indices_in_lanes(const uint32_t first[PARTS], u32_lanes s, lane_numbers<k...>) {
-  return {{(first[s[k] / SLOTS] + s[k] % SLOTS - 1)...}, {(s[k] != 0)...}};
-}
 }  // namespace
 
 PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) { return bytes_in_lanes(p, each_lane()); }
-PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
-  return indices_in_lanes(first, s, each_lane());
-}
-PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
-  (void)first;
-  return (window){array, sentinel};
-}
-PBF_FN lane window_at(const window *t, lane_indices p) {
-  lane a;
-  for (int k = 0; k < WIDTH; ++k) a[k] = p.known[k] ? t->array[p.index[k]] : t->sentinel;
-  return a;
-}
 
 #define LANES_QUADS
-PBF_FN const pbf_real *quad_of(const pbf_real *quads, const lane_indices *p, int lane_number) {
-  return quads + 4 * (p->known[lane_number] ? (int64_t)p->index[lane_number] : -1);
-}
 namespace {
 /* Lane k is number from[k] of a's and, from WIDTH on, of b's. */
 template <int... from>
@@ -197,9 +175,14 @@ PBF_FN void lanes_transpose(const lane a[4], lane b[4]) {
   b[2] = lanes_pick<0, 1, 4, 5>(high01, high23);
   b[3] = lanes_pick<2, 3, 6, 7>(high01, high23);
 }
-PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
-  const lane rows[4] = {lane_load(quad_of(quads, &p, 0)), lane_load(quad_of(quads, &p, 1)),
-                        lane_load(quad_of(quads, &p, 2)), lane_load(quad_of(quads, &p, 3))};
+PBF_FN void load_packed(const pbf_real *quads, const int32_t *places, const uint8_t *slots,
+                        lane quad[4]) {
+  const lane rows[4] = {
+      lane_load(quads + 2 * (int64_t)places[slots[0]]),
+      lane_load(quads + 2 * (int64_t)places[slots[1]]),
+      lane_load(quads + 2 * (int64_t)places[slots[2]]),
+      lane_load(quads + 2 * (int64_t)places[slots[3]]),
+  };
   lanes_transpose(rows, quad);
 }
 PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
@@ -208,10 +191,12 @@ PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   for (int k = 0; k < 4; ++k) lane_store(quads + 4 * k, rows[k]);
 }
 #else
-PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
+PBF_FN void load_packed(const pbf_real *quads, const int32_t *places, const uint8_t *slots,
+                        lane quad[4]) {
+  const pbf_real *const quad_a = quads + 2 * (int64_t)places[slots[0]];
+  const pbf_real *const quad_b = quads + 2 * (int64_t)places[slots[1]];
   for (int half = 0; half < 2; ++half) {
-    const lane a = lane_load(quad_of(quads, &p, 0) + 2 * half);
-    const lane b = lane_load(quad_of(quads, &p, 1) + 2 * half);
+    const lane a = lane_load(quad_a + 2 * half), b = lane_load(quad_b + 2 * half);
     quad[2 * half] = lanes_pick<0, 2>(a, b);
     quad[2 * half + 1] = lanes_pick<1, 3>(a, b);
   }

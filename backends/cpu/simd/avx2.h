@@ -9,10 +9,6 @@ typedef pbf_real lane __attribute__((vector_size(32)));
 enum { WIDTH = 32 / sizeof(pbf_real) };
 typedef uint32_t u32_lanes __attribute__((vector_size(4 * WIDTH)));
 enum { PARTS = 8 };
-typedef struct window {
-  const pbf_real *array;
-  lane sentinel;
-} window;
 
 #if PBF_BITS == 32
 
@@ -34,6 +30,9 @@ PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm256_loadu_ps(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm256_storeu_ps(p, (__m256)a); }
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
+}
+PBF_FN int lane_all_below(lane a, lane b) {
+  return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) == 0xff;
 }
 
 PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm256_set1_epi32((int)a); }
@@ -64,38 +63,14 @@ PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
   return (u32_lanes)_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p));
 }
 
-typedef struct lane_indices {
-  __m256i index; /* -1: the sentinel, which lies before the first element */
-  __m256 known;
-} lane_indices;
-PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
-  const u32_lanes slot_one = {1, 33, 65, 97, 129, 161, 193, 225}; /* of each part */
-  const u32_lanes less =
-      (u32_lanes)_mm256_loadu_si256((const __m256i *)(const void *)first) - slot_one;
-  u32_lanes begin =
-      (u32_lanes)_mm256_permutevar8x32_epi32((__m256i)less, (__m256i)u32_shift_right(s, 5));
-  __m256i known = _mm256_cmpgt_epi32((__m256i)s, _mm256_setzero_si256());
-  __m256i sentinel = _mm256_cmpeq_epi32((__m256i)s, _mm256_setzero_si256());
-  return (lane_indices){(__m256i)((begin + s) | (u32_lanes)sentinel), _mm256_castsi256_ps(known)};
-}
-PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
-  (void)first;
-  return (window){array, ops<lane>::set(sentinel)};
-}
-PBF_FN lane window_at(const window *t, lane_indices p) {
-  return (lane)_mm256_mask_i32gather_ps((__m256)t->sentinel, t->array, p.index, p.known, 4);
-}
-
-/* Row k of four: the quad of lane k's, and behind it that of lane k + 4's. Offsets go through
- * memory: to take them out of a register one by one is slower. */
-PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
-  _Alignas(32) int32_t halves[WIDTH];
+/* Row k of four: the quad of lane k's, and behind it that of lane k + 4's. */
+PBF_FN void load_packed(const pbf_real *quads, const int32_t *places, const uint8_t *slots,
+                        lane quad[4]) {
   __m256 r[4];
-  _mm256_store_si256((__m256i *)(void *)halves, _mm256_slli_epi32(p.index, 1));
-  __asm__("" : "+m"(halves));
   for (int k = 0; k < 4; ++k)
-    r[k] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(quads + 2 * (int64_t)halves[k])),
-                                _mm_load_ps(quads + 2 * (int64_t)halves[k + 4]), 1);
+    r[k] = _mm256_insertf128_ps(
+        _mm256_castps128_ps256(_mm_load_ps(quads + 2 * (int64_t)places[slots[k]])),
+        _mm_load_ps(quads + 2 * (int64_t)places[slots[k + 4]]), 1);
   const __m256 xy01 = _mm256_unpacklo_ps(r[0], r[1]), zw01 = _mm256_unpackhi_ps(r[0], r[1]);
   const __m256 xy23 = _mm256_unpacklo_ps(r[2], r[3]), zw23 = _mm256_unpackhi_ps(r[2], r[3]);
   quad[0] = (lane)_mm256_shuffle_ps(xy01, xy23, 0x44);
@@ -116,6 +91,67 @@ PBF_FN void store_packed(pbf_real *quads, const lane quad[4]) {
   _mm256_storeu_ps(quads + 24, _mm256_permute2f128_ps(r2, r3, 0x31));
 }
 
+#ifndef __OPTIMIZE_SIZE__
+/* The slots of a byte's bits, a byte each, the first one lowest. */
+struct byte_slots {
+  uint64_t of[256];
+};
+constexpr byte_slots slots_of_bytes() {
+  byte_slots all = {};
+  for (uint32_t bits = 0; bits < 256; ++bits)
+    for (uint32_t slot = 0, count = 0; slot < 8; ++slot)
+      if (bits >> slot & 1) all.of[bits] |= (uint64_t)slot << 8 * count++;
+  return all;
+}
+static constexpr byte_slots SLOTS_OF_BYTES = slots_of_bytes();
+
+/* Rows of a lane's slots to rounds of all lanes' slots, eight rounds at a time. */
+PBF_FN void transpose_slots(const uint8_t *rows, uint32_t stride, uint32_t rounds, uint8_t *list) {
+  for (uint32_t r = 0; r < rounds; r += 8) {
+    __m128i row[WIDTH], two[4], four[4], eight[4];
+    for (int l = 0; l < WIDTH; ++l)
+      row[l] = _mm_loadl_epi64((const __m128i *)(const void *)(rows + l * stride + r));
+    for (int k = 0; k < 4; ++k) two[k] = _mm_unpacklo_epi8(row[2 * k], row[2 * k + 1]);
+    for (int k = 0; k < 2; ++k) {
+      four[2 * k] = _mm_unpacklo_epi16(two[2 * k], two[2 * k + 1]);
+      four[2 * k + 1] = _mm_unpackhi_epi16(two[2 * k], two[2 * k + 1]);
+    }
+    for (int k = 0; k < 2; ++k) {
+      eight[2 * k] = _mm_unpacklo_epi32(four[k], four[k + 2]);
+      eight[2 * k + 1] = _mm_unpackhi_epi32(four[k], four[k + 2]);
+    }
+    for (uint32_t k = 0; k < 4 && r + 2 * k < rounds; ++k)
+      _mm_storeu_si128((__m128i *)(void *)(list + (r + 2 * k) * WIDTH), eight[k]);
+  }
+}
+
+/* Lists the slots of all bits, eight at a time out of a table: a loop over bits would be
+ * mispredicted in each lane. */
+#define LANES_LIST_BY_BYTES
+static inline void u32_list(const u32_lanes masks[PARTS], uint32_t parts, uint32_t rounds,
+                            uint8_t *list) {
+  enum { STRIDE = PARTS * 32 + 64 };
+  _Alignas(32) uint32_t bits[PARTS][WIDTH];
+  uint8_t rows[WIDTH * STRIDE];
+  for (uint32_t part = 0; part < parts; ++part) u32_store(bits[part], masks[part]);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    uint8_t *next = rows + l * STRIDE;
+    const uint8_t *const end = next + rounds;
+    uint64_t first = 0;
+    for (uint32_t part = 0; part < parts; ++part)
+      for (uint32_t k = 0; k < 4; ++k, first += UINT64_C(0x0808080808080808)) {
+        const uint32_t some = bits[part][l] >> 8 * k & 255;
+        const uint64_t slots = SLOTS_OF_BYTES.of[some] + first;
+        memcpy(next, &slots, sizeof slots);
+        next += __builtin_popcount(some);
+      }
+    for (; next < end; next += 32)
+      _mm256_storeu_si256((__m256i *)(void *)next, _mm256_setzero_si256());
+  }
+  transpose_slots(rows, STRIDE, rounds, list);
+}
+#endif
+
 #else
 
 namespace {
@@ -134,6 +170,9 @@ PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm256_loadu_pd(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm256_storeu_pd(p, (__m256d)a); }
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ)) != 0;
+}
+PBF_FN int lane_all_below(lane a, lane b) {
+  return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ)) == 0xf;
 }
 
 PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm_set1_epi32((int)a); }
@@ -168,28 +207,6 @@ PBF_FN u32_lanes u32_of_bytes(const uint8_t *p) {
   return (u32_lanes)_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes));
 }
 
-typedef struct lane_indices {
-  __m128i index;
-  __m256d known;
-} lane_indices;
-PBF_FN lane_indices lane_indices_of(const uint32_t first[PARTS], u32_lanes s) {
-  __m256i firsts = _mm256_loadu_si256((const __m256i *)(const void *)first);
-  __m256i part = _mm256_castsi128_si256((__m128i)u32_shift_right(s, 5));
-  u32_lanes begin = (u32_lanes)_mm256_castsi256_si128(_mm256_permutevar8x32_epi32(firsts, part));
-  __m128i known = _mm_cmpgt_epi32((__m128i)s, _mm_setzero_si128());
-  __m128i sentinel = _mm_cmpeq_epi32((__m128i)s, _mm_setzero_si128());
-  u32_lanes index = begin + (s & u32_set(SLOTS - 1)) - u32_set(1);
-  return (lane_indices){(__m128i)(index | (u32_lanes)sentinel),
-                        _mm256_castsi256_pd(_mm256_cvtepi32_epi64(known))};
-}
-PBF_FN window window_of(const pbf_real *array, const uint32_t first[PARTS], pbf_real sentinel) {
-  (void)first;
-  return (window){array, ops<lane>::set(sentinel)};
-}
-PBF_FN lane window_at(const window *t, lane_indices p) {
-  return (lane)_mm256_mask_i32gather_pd((__m256d)t->sentinel, t->array, p.index, p.known, 8);
-}
-
 PBF_FN void lanes_transpose(const __m256d a[4], lane b[4]) {
   const __m256d xz01 = _mm256_unpacklo_pd(a[0], a[1]), yw01 = _mm256_unpackhi_pd(a[0], a[1]);
   const __m256d xz23 = _mm256_unpacklo_pd(a[2], a[3]), yw23 = _mm256_unpackhi_pd(a[2], a[3]);
@@ -199,12 +216,10 @@ PBF_FN void lanes_transpose(const __m256d a[4], lane b[4]) {
   b[3] = (lane)_mm256_permute2f128_pd(yw01, yw23, 0x31);
 }
 
-PBF_FN void load_packed(const pbf_real *quads, lane_indices p, lane quad[4]) {
-  _Alignas(16) int32_t halves[WIDTH];
+PBF_FN void load_packed(const pbf_real *quads, const int32_t *places, const uint8_t *slots,
+                        lane quad[4]) {
   __m256d rows[4];
-  _mm_store_si128((__m128i *)(void *)halves, _mm_slli_epi32(p.index, 1));
-  __asm__("" : "+m"(halves));
-  for (int k = 0; k < 4; ++k) rows[k] = _mm256_load_pd(quads + 2 * (int64_t)halves[k]);
+  for (int k = 0; k < 4; ++k) rows[k] = _mm256_load_pd(quads + 2 * (int64_t)places[slots[k]]);
   lanes_transpose(rows, quad);
 }
 

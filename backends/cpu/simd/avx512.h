@@ -36,6 +36,9 @@ PBF_FN void lane_store(pbf_real *p, lane a) { _mm512_storeu_ps(p, (__m512)a); }
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
 }
+PBF_FN int lane_all_below(lane a, lane b) {
+  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) == 0xffff;
+}
 
 PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm512_set1_epi32((int)a); }
 PBF_FN u32_lanes u32_iota(void) {
@@ -96,7 +99,7 @@ PBF_FN lane lanes_look_up(const pbf_real *array, const int places[WIDTH]) {
 
 /* The leading bit of the first mask, and once that is empty of the second; then 64, that is 0. */
 #define LANES_LIST_BY_MASKS
-PBF_FN void u32_list(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
+PBF_FN void u32_list(const u32_lanes masks[PARTS], uint32_t, uint32_t rounds, uint8_t *list) {
   const __m512i top = _mm512_set1_epi32(INT32_MIN);
   __m512i a = (__m512i)masks[0], b = (__m512i)masks[1];
   for (uint32_t r = 0; r < rounds; ++r, list += WIDTH) {
@@ -138,6 +141,9 @@ PBF_FN lane lane_load(const pbf_real *p) { return (lane)_mm512_loadu_pd(p); }
 PBF_FN void lane_store(pbf_real *p, lane a) { _mm512_storeu_pd(p, (__m512d)a); }
 PBF_FN int lane_any_below(lane a, lane b) {
   return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ) != 0;
+}
+PBF_FN int lane_all_below(lane a, lane b) {
+  return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ) == 0xff;
 }
 
 PBF_FN u32_lanes u32_set(uint32_t a) { return (u32_lanes)_mm256_set1_epi32((int)a); }

@@ -1,18 +1,20 @@
 /* Lanes: the vector types of one instruction set, behind the names that the pair loops use.
  *
- *   lane    WIDTH reals, with + - *, ops<lane>, load, store and any_below
+ *   lane    WIDTH reals, with + - *, ops<lane>, load, store, any_below, all_below
  *   slots   WIDTH unsigned 32-bit integers, with & | ~ + -
  *   table   PARTS windows of an array, to be looked up by each lane at a slot of its own
  *
  * A window is 31 consecutive elements: slots 1 … 31 of part 0, 33 … 63 of part 1, and so on. Slot 0
- * is the sentinel: a value given with the table. Where LANES_QUADS is defined there are also
+ * is the sentinel: a value given with the table. Where LANES_QUADS is defined there are, instead of
+ * tables,
  *
  *   quads   four reals a particle, side by side, the sentinel's before them: a load a lane gets all
- * four
+ *           four. `places` has where the quad of each slot is, in halves of a quad
  *
  * Which slots of a window a lane wants is a mask: slot s is bit s % 32, the lowest of which a
  * processor finds and clears fastest in a word, or with LANES_LIST_BY_MASKS bit 31 - s % 32, the
- * highest of which it finds in all lanes of a vector.
+ * highest of which it finds in all lanes of a vector. With LANES_LIST_BY_MASKS or
+ * LANES_LIST_BY_BYTES the set has a u32_list of its own.
  */
 #ifndef PBF_CPU_SIMD_LANES_H
 #define PBF_CPU_SIMD_LANES_H
@@ -71,10 +73,11 @@ PBF_FN u32_lanes u32_popcount(u32_lanes m) {
   return (m + u32_shift_right(m, 16)) & u32_set(63);
 }
 
-/* Lists the slots in the masks of PARTS windows: byte r * WIDTH + l is lane l's r-th one, or 0. */
-#ifdef LANES_LIST_BY_MASKS
-PBF_FN void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
-  u32_list(masks, rounds, list);
+/* Lists the slots in the masks of some windows: byte r * WIDTH + l is lane l's r-th one, or 0. */
+#if defined(LANES_LIST_BY_MASKS) || defined(LANES_LIST_BY_BYTES)
+PBF_FN void list_set_bits(const u32_lanes masks[PARTS], uint32_t parts, uint32_t rounds,
+                          uint8_t *list) {
+  u32_list(masks, parts, rounds, list);
 }
 #else
 /* Unpacks the bits of two windows, the first slot first, into every WIDTH-th byte; returns where
@@ -102,14 +105,15 @@ PBF_FN uint8_t *list_each_bit(uint64_t m, uint32_t part, uint8_t *next) {
   return next;
 }
 
-static inline void list_set_bits(const u32_lanes masks[PARTS], uint32_t rounds, uint8_t *list) {
+static inline void list_set_bits(const u32_lanes masks[PARTS], uint32_t parts, uint32_t rounds,
+                                 uint8_t *list) {
   uint32_t bits[PARTS][WIDTH];
   uint8_t space[(PARTS * (SLOTS - 1) + BITS_AT_ONCE) * WIDTH];
   for (int part = 0; part < PARTS; ++part) u32_store(bits[part], masks[part]);
   memset(space, 0, (size_t)rounds * WIDTH);
   for (uint32_t l = 0; l < WIDTH; ++l) {
     uint8_t *next = space + l;
-    for (uint32_t part = 0; part < PARTS; part += 2) {
+    for (uint32_t part = 0; part < parts; part += 2) {
       uint64_t m = (uint64_t)bits[part + 1][l] << 32 | bits[part][l];
       next = BUILT_FOR_SIZE ? list_each_bit(m, part, next) : list_bits(m, part, next);
     }

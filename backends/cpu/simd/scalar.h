@@ -15,6 +15,7 @@ typedef struct lane_indices {
 PBF_FN lane lane_load(const pbf_real *p) { return *p; }
 PBF_FN void lane_store(pbf_real *p, lane a) { *p = a; }
 PBF_FN int lane_any_below(lane a, lane b) { return a < b; }
+PBF_FN int lane_all_below(lane a, lane b) { return a < b; }
 
 PBF_FN u32_lanes u32_set(uint32_t a) { return a; }
 PBF_FN u32_lanes u32_iota(void) { return 0; }
