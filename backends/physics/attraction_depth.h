@@ -5,12 +5,13 @@
 #define PBF_PHYSICS_ATTRACTION_DEPTH_H
 
 #include "physics/containers.h"
+#include "physics/elementary.h"
 
 /* The radius of the ball with so much more volume than one of that radius; 0: there is none. */
 static inline double pbf_radius_with(double radius, double more) {
   const double unit = PBF_DIM == 3 ? 4 * PBF_PI / 3 : PBF_PI;
-  const double volume = pow(radius, PBF_DIM) + more / unit;
-  return volume > 0 ? pow(volume, 1.0 / PBF_DIM) : 0;
+  const double volume = pbf_whole_power(radius, PBF_DIM) + more / unit;
+  return volume > 0 ? pbf_side_of(volume, PBF_DIM) : 0;
 }
 
 /* How deep it is, and what it weighs at the deepest, over density. */

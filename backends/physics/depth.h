@@ -9,6 +9,7 @@
 #include "physics/basins.h"
 #include "physics/choices.h"
 #include "physics/derive.h"
+#include "physics/elementary.h"
 #include "physics/fullness.h"
 #include "physics/steps_leave.h"
 
@@ -143,7 +144,7 @@ static inline int pbf_depth_is_beyond_left(const pbf_params *params, int axis, d
  * more than that. */
 static inline int pbf_attraction_leaves(const pbf_params *params, uint32_t colliders,
                                         const pbf_collider *list, uint32_t count, double error) {
-  const double fluid = count * pow(pbf_derive_spacing(params), PBF_DIM);
+  const double fluid = count * pbf_whole_power(pbf_derive_spacing(params), PBF_DIM);
   const pbf_attracted is = pbf_attracted_of(params, colliders, list, fluid);
   const double least = (PBF_DEPTH_ATTRACTED_LAYERS - 0.5) * pbf_derive_spacing(params);
   const double head = is.head * params->time_step * params->time_step;

@@ -235,6 +235,29 @@ static inline double pbf_pow(double x, double y) {
   return pbf_is_in_range(power.high) ? pbf_pair_exp(power).high : pow(x, y);
 }
 
+/* x^n of a whole n >= 0: products, where they overflow in pairs. */
+static inline double pbf_whole_power(double x, int n) {
+  const pbf_pair_real base = {x, 0};
+  pbf_pair_real power = {1, 0};
+  double plain = 1;
+  for (; n > 0; --n) {
+    power = pbf_pair_multiply(power, base);
+    plain *= x;
+  }
+  return isfinite(power.high) ? power.high : plain;
+}
+
+static inline double pbf_cube_root(double x) {
+  const pbf_pair_real base = {x, 0}, third = {1 / 3.0, 0x1.5555555555555p-56};
+  if (!(x > 1e-300 && x < 1e300)) return cbrt(x);
+  return pbf_pair_exp(pbf_pair_multiply(third, pbf_pair_log(base))).high;
+}
+
+/* Of an area in 2D, of a volume in 3D. */
+static inline double pbf_side_of(double x, int dimension) {
+  return dimension == 3 ? pbf_cube_root(x) : sqrt(x);
+}
+
 static inline double pbf_cosh(double x) {
   const pbf_pair_real up = {x, 0}, down = {-x, 0};
   if (!pbf_is_in_range(x)) return cosh(x);

@@ -10,6 +10,7 @@
 
 #include <math.h>
 
+#include "physics/elementary.h"
 #include "physics/real.h"
 
 /* What is stored of a grid. */
@@ -50,7 +51,7 @@ static inline pbf_grid_wrap pbf_grid_wrap_of(double limit, double finest,
   for (int k = 1; k < PBF_DIM; ++k) rows *= widths[k];
   pbf_grid_wrap wrap = {fmin(max_columns, floor(limit / rows)), rows, 0, 0};
   if (rows * widths[0] <= limit) return wrap;
-  double side = PBF_DIM == 3 ? cbrt(limit / finest) : sqrt(limit / finest);
+  double side = pbf_side_of(limit / finest, PBF_DIM);
   double few = pbf_power_below(PBF_DIM == 3 ? side * side : 1.42 * side);
   wrap.columns = fmin(max_columns, floor(limit / fmin(rows, few)));
   wrap.wraps_columns = wrap.columns < max_columns;

@@ -26,6 +26,7 @@
 #include <stddef.h>
 
 #include "physics/boundary.h"
+#include "physics/elementary.h"
 #include "physics/passes/predict.h"
 
 /* Solids by number: the walls, 2 * axis and + 1, and after six of these the colliders. */
@@ -154,7 +155,7 @@ typedef struct pbf_load_scales {
 /* A particle has the mass of the cell that it fills in a fluid at rest, or what the caller says. */
 static inline double pbf_particle_mass(const pbf_params *params) {
   const double given = params->particle_volume;
-  return given > 0 ? given : pow(pbf_derive_spacing(params), PBF_DIM);
+  return given > 0 ? given : pbf_whole_power(pbf_derive_spacing(params), PBF_DIM);
 }
 
 /* Sums are of momenta, over the reference's mass: velocities times the particle's mass. */

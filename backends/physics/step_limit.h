@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "physics/elementary.h"
 #include "physics/motion.h"
 #include "physics/spacing.h"
 
@@ -40,7 +41,7 @@ static inline double pbf_attraction_acceleration(const pbf_params *params, uint3
     far2 += far * far;
     inside = fmin(inside, fmin(above, below));
   }
-  double ball = dimension == 3 ? cbrt(0.75 * count / PBF_LIMIT_PI) : sqrt(count / PBF_LIMIT_PI);
+  double ball = pbf_side_of((dimension == 3 ? 0.75 : 1) * count / PBF_LIMIT_PI, (int)dimension);
   double reach = sqrt(near2) + (inside < ball * spacing ? 2 : 1) * ball * spacing;
   return fabs(params->attraction) * (params->attraction > 0 ? fmin(reach, sqrt(far2)) : sqrt(far2));
 }

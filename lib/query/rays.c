@@ -76,9 +76,11 @@ static double gap_at(const pbf_query_place *place, const ray *r, double t) {
   for (uint32_t run = 0; run < place->count; ++run)
     for (uint32_t i = place->runs[run].begin; i < place->runs[run].end; ++i) {
       double square = 0;
-      for (uint32_t k = 0; k < n; ++k)
-        square += pow(
-            pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k], 2);
+      for (uint32_t k = 0; k < n; ++k) {
+        const double to =
+            pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k];
+        square += to * to;
+      }
       nearest = fmin(nearest, square);
     }
   return sqrt(nearest) - index->radius;

@@ -10,6 +10,7 @@
 #include "error.h"
 #include "fnv.h"
 #include "lock.h"
+#include "physics/elementary.h"
 #include "structs.h"
 #include "text.h"
 
@@ -191,8 +192,8 @@ static void measure(pbf_shape *s) {
     if (value < 0) measure_inside(s, &n);
     if (!is_on_border(s, &n)) s->steepest = fmax(s->steepest, 1.0001 * steepness_at(s, &n));
   } while (next_node(s, &n));
-  s->volume = below * pow(s->cell, s->dimension);
-  s->area = (above_half - below_half) * pow(s->cell, s->dimension - 1.0);
+  s->volume = below * pbf_whole_power(s->cell, (int)s->dimension);
+  s->area = (above_half - below_half) * pbf_whole_power(s->cell, (int)s->dimension - 1);
 }
 
 static uint64_t hash_of(const pbf_shape *s) {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "error.h"
+#include "physics/elementary.h"
 #include "text.h"
 #include "vectors.h"
 
@@ -225,7 +226,9 @@ static double angle_at(const pbf_mesh *mesh, uint32_t face, uint32_t corner) {
   pbf_minus(mesh->vertices[of[(corner + 1) % 3]], mesh->vertices[of[corner]], one);
   pbf_minus(mesh->vertices[of[(corner + 2) % 3]], mesh->vertices[of[corner]], other);
   pbf_outer(one, other, across);
-  return atan2(pbf_norm(across), pbf_inner(one, other));
+  const double y = pbf_norm(across), x = pbf_inner(one, other), size = fmax(y, fabs(x));
+  const double acute = size > 0 ? pbf_angle(y / size, fabs(x) / size) : 0;
+  return x < 0 ? 0x1.921fb54442d18p+1 - acute : acute; /* half a turn */
 }
 
 /* The volume between the faces and a place, times the dimension's factorial. */

@@ -12,6 +12,7 @@
 #include "memory.h"
 #include "overlap.h"
 #include "physics/depenetration.h"
+#include "physics/elementary.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
 #include "solver_time.h"
@@ -185,7 +186,8 @@ static double cosine_of_half_turn(const pbf_collider *a, const pbf_collider *b) 
 
 /* How far the surface of a collider goes at most as it turns from one pose to another. */
 static double turn_between(const pbf_collider *a, const pbf_collider *b) {
-  return 2 * acos(cosine_of_half_turn(a, b)) * size_of(a);
+  const double cosine = cosine_of_half_turn(a, b);
+  return 2 * pbf_angle(sqrt((1 - cosine) * (1 + cosine)), cosine) * size_of(a);
 }
 
 static double distance_of(const double a[3], const double b[3]) { return sqrt(distance2(a, b)); }

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "backend_call.h"
+#include "physics/elementary.h"
 #include "physics/steps_leave.h"
 #include "solver_time.h"
 
@@ -56,7 +57,7 @@ static double left_by(pbf_solver *solver, double error, double most, double unkn
  * from what steps leave. */
 static double reference_now(const pbf_solver *solver, double left) {
   const pbf_overlap_state *o = &solver->overlap;
-  const double away = exp(-o->rate * (pbf_solver_time(solver) - o->since));
+  const double away = pbf_exp(-o->rate * (pbf_solver_time(solver) - o->since));
   if (!(o->left > 0)) return left + (o->reference - left) * away;
   return left * (1 + (o->reference / o->left - 1) * away);
 }

@@ -117,7 +117,10 @@ static pbf_collider_set shifted_colliders(const pbf_solver *solver) {
 static void note_jumps(pbf_solver *solver, int walls) {
   const pbf_placement *placed = &solver->placement;
   double way2 = 0, h = solver->params.smoothing_radius;
-  for (int k = 0; k < 3; ++k) way2 += pow(placed->collider_shift[k] - placed->shift[k], 2);
+  for (int k = 0; k < 3; ++k) {
+    const double way = placed->collider_shift[k] - placed->shift[k];
+    way2 += way * way;
+  }
   const pbf_collider_set shifted = shifted_colliders(solver);
   if (placed->shifted && way2 >= h * h) pbf_overlap_note_colliders(solver, &shifted);
   if (walls) pbf_overlap_note_walls(solver);

@@ -61,6 +61,13 @@ static const struct {
       {0x1.96bee8280d6eap+4, 0x1.f6d47d18fcea3p+1},
       {0x1.94abe83b06c74p+2, 0x1.43f8b2e234b78p+1},
       {0x1.1e882ba037327p+4, 0x1.c9efb65f5f355p+1}}},
+    {"pbf_cube_root",
+     pbf_cube_root,
+     {{0x1.3308822562af6p+3, 0x1.0ffdc9b1fc587p+1},
+      {0x1.5d09333201fb2p+4, 0x1.65a6c73ea69f1p+1},
+      {0x1.83247e546df1ep+4, 0x1.7238686180377p+1},
+      {0x1.910f51d08d4fap+4, 0x1.769ac30be6e7ap+1},
+      {0x1.5b780fb903c5bp+1, 0x1.651d8f31cd58fp+0}}},
 };
 
 static const double powers[][3] = {
@@ -69,6 +76,18 @@ static const double powers[][3] = {
     {0x1.6e3088db663c8p-3, -0x1.f0bee5e125b9cp+0, 0x1.c3aaf580a87ddp+4},
     {0x1.054609f985c74p+1, 0x1.1a8b92e2da530p-2, 0x1.37b49ec0eee70p+0},
     {0x1.e287b19965434p-1, 0x1.db09d2a780518p+0, 0x1.caaa56326df74p-1},
+};
+
+/* Such that products of float64 are rounded the other way; exact fractions. */
+static const struct {
+  double x;
+  int n;
+  double value;
+} whole_powers[] = {
+    {0x1.eb40d03bd118ap-1, 2, 0x1.d758d7971daf2p-1},
+    {0x1.35b6cb76be5b1p+1, 3, 0x1.c5515a5d87147p+3},
+    {0x1.e2e7ecce59fedp+0, 3, 0x1.ad956b93beec2p+2},
+    {0x1.ac7a437ec4b96p+1, 3, 0x1.2c15c8b5a28d5p+5},
 };
 
 /* y, x and the angle. */
@@ -92,6 +111,9 @@ static void values_are_rounded_once(void **state) {
              functions[f].rows[k].value);
   for (size_t k = 0; k < sizeof powers / sizeof powers[0]; ++k)
     expect("pbf_pow", powers[k][0], pbf_pow(powers[k][0], powers[k][1]), powers[k][2]);
+  for (size_t k = 0; k < sizeof whole_powers / sizeof whole_powers[0]; ++k)
+    expect("pbf_whole_power", whole_powers[k].x,
+           pbf_whole_power(whole_powers[k].x, whole_powers[k].n), whole_powers[k].value);
   for (size_t k = 0; k < sizeof angles / sizeof angles[0]; ++k)
     expect("pbf_angle", angles[k][0], pbf_angle(angles[k][0], angles[k][1]), angles[k][2]);
 }
@@ -105,6 +127,13 @@ static void ends_are_exact(void **state) {
   expect("pbf_pow", 0, pbf_pow(0, 4), 0);
   expect("pbf_pow", 3, pbf_pow(3, 0), 1);
   expect("pbf_pow", 2, pbf_pow(2, 3), 8);
+  expect("pbf_whole_power", 3, pbf_whole_power(3, 0), 1);
+  expect("pbf_whole_power", 0, pbf_whole_power(0, 3), 0);
+  expect("pbf_whole_power", 1e305, pbf_whole_power(1e305, 1), 1e305);
+  expect("pbf_whole_power", 1e305, pbf_whole_power(1e305, 3), HUGE_VAL);
+  expect("pbf_cube_root", 0, pbf_cube_root(0), 0);
+  expect("pbf_cube_root", 1e9, pbf_cube_root(1e9), 1000);
+  expect("pbf_cube_root", 0x1p-1002, pbf_cube_root(0x1p-1002), 0x1p-334);
   expect("pbf_angle", 0, pbf_angle(0, 1), 0);
   expect("pbf_angle", 0, pbf_angle(0, 0), 0);
 }

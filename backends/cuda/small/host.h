@@ -6,6 +6,7 @@
 #include "cuda/launches.h"
 #include "cuda/small/launch.h"
 #include "cuda/small/owners.h"
+#include "physics/elementary.h"
 #include "physics/overfull.h"
 
 /* ---- When it serves -------------------------------------------------------------------------- */
@@ -74,7 +75,7 @@ static inline uint32_t small_list_capacity(double wanted) {
 
 /* Particles of a compact block of the rest lattice, and of the cells around it. */
 static inline double small_slots_expected(const solver *s, uint32_t own) {
-  return pow(pow(own, 1.0 / PBF_DIM) + 3 * small_reach(&s->params), PBF_DIM);
+  return pbf_whole_power(pbf_side_of(own, PBF_DIM) + 3 * small_reach(&s->params), PBF_DIM);
 }
 
 /* Cells of a tile whose particles are on their own, unless they are many. */

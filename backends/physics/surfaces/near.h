@@ -6,6 +6,7 @@
 #ifndef PBF_PHYSICS_SURFACES_NEAR_H
 #define PBF_PHYSICS_SURFACES_NEAR_H
 
+#include "physics/elementary.h"
 #include "physics/surfaces/domain.h"
 #include "physics/surfaces/surface.h"
 
@@ -195,7 +196,7 @@ static inline void pbf_grid_build(pbf_surface_grid *g, uint32_t count, const pbf
   pbf_grid_region(g, domain, g->lower, length);
   for (int k = 0; k < PBF_DIM; ++k) volume *= length[k];
   const double even = volume / (2.0 * fmax(count, 1) * (double)pbf_grid_finer(g));
-  double width = fmax(2 * reach, PBF_DIM == 3 ? cbrt(even) : sqrt(even));
+  double width = fmax(2 * reach, pbf_side_of(even, PBF_DIM));
   uint64_t cells = pbf_grid_divide(g, length, width);
   while (cells > 1 && (cells > pbf_grid_cell_room(g->room * pbf_grid_finer(g)) ||
                        pbf_grid_entries(g) > PBF_ENTRIES_A_SURFACE * g->room))
