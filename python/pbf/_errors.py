@@ -1,7 +1,16 @@
 """Exceptions: one for each status of base.h, with the library's sentence."""
 from __future__ import annotations
 
+from unicodedata import category
+
 from ._library import lib, text
+
+
+def one_line(sentence: str) -> str:
+    """With what is quoted in it: a name may hold what ends a line, rules a terminal or is no character."""
+    if sentence.isprintable():
+        return sentence
+    return "".join("?" if category(char) in ("Cc", "Cs", "Zl", "Zp") else char for char in sentence)
 
 
 class Error(Exception):
@@ -14,8 +23,8 @@ class Error(Exception):
     status: int = 0
 
     def __init__(self, sentence: str, status: int | None = None) -> None:
-        super().__init__(sentence)
-        self.sentence = sentence
+        self.sentence = one_line(sentence)
+        super().__init__(self.sentence)
         if status is not None:
             self.status = status
 

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and read as far as they can be what they are taken for."""
 from __future__ import annotations
 
 import errno
@@ -8,6 +8,26 @@ import pathlib
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+from ._errors import DataError
+
+SCENE_MOST = 16 << 20  # bytes, as for pbf-bench
+MESH_MOST = 256 << 20
+
+
+def content(path: str | os.PathLike[str], most: int | None, mark: bytes = b"") -> bytearray:
+    """All of a file, a pipe or whatever the system can read. What does not begin with `mark` is read no
+    further: a device may have no end, and what takes the bytes says that they are none of its own."""
+    found = bytearray()
+    with open(path, "rb") as file:
+        while found[:len(mark)] == mark[:len(found)]:
+            part = file.read(1 << 20)
+            found += part
+            if not part:
+                break
+            if most is not None and len(found) > most:
+                raise DataError(f"{os.fspath(path)} has more than {most} bytes, the most that such a file has")
+    return found
 
 
 def _in_place(path: str) -> bool:

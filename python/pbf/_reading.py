@@ -100,6 +100,8 @@ class Reading(Handle):
     @staticmethod
     def _check_rows_of(name: str, array: NDArray[Any] | DeviceArray) -> int:
         """How many numbers a row has, which must lie side by side."""
+        if len(array) == 0:  # the strides of which NumPy leaves open
+            return 1 if array.ndim == 1 else array.shape[1]
         tight = array.ndim == 1 or array.shape[1] == 1 or array.strides[1] == array.itemsize
         if not tight or array.strides[0] < 0 or (array.strides[0] == 0 and len(array) > 1):
             raise InvalidArgumentError(

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import os
-import pathlib
 import struct as binary
 from typing import TYPE_CHECKING, Any, Union
 
@@ -99,12 +98,13 @@ class State(Reading):
     __copy__ = copy
 
 
-def state_of(source: PathLike | bytes | bytearray | memoryview) -> bytes | bytearray | memoryview:
+def state_of(source: PathLike | bytes | bytearray | memoryview, mark: bytes = b"PBFSTATE"
+             ) -> bytes | bytearray | memoryview:
     if isinstance(source, memoryview):  # of whatever numbers, side by side or not
         return source.tobytes()
     if isinstance(source, (bytes, bytearray)):
         return source
-    return pathlib.Path(source).read_bytes()
+    return _files.content(source, None, mark)
 
 
 def _kind_of(state: bytes | bytearray | memoryview) -> tuple[int, str, int]:

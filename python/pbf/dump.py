@@ -13,6 +13,7 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _files
 from ._errors import DataError
 from ._numbers import shown
 
@@ -93,10 +94,12 @@ class Dump(Sequence[DumpFrame]):
     def _about(self) -> dict[str, Any]:
         path = self.folder / "dump.json"
         try:
-            about = json.loads(path.read_text(encoding="utf-8"))
+            about = json.loads(_files.content(path, _files.SCENE_MOST).decode("utf-8"))
         except OSError as error:
             raise DataError(f"{path} can't be read ({error.strerror}); pbf-bench run --dump "
                             f"{self.folder} writes such a folder") from None
+        except DataError:
+            raise
         except (ValueError, RecursionError) as error:
             raise DataError(f"{path} is not JSON: {error}") from None
         wanted = ("dimension", "smoothing_radius", "spacing", "gravity", "domain_min", "domain_max",

@@ -131,7 +131,7 @@ class Geometry:
     @classmethod
     def load(cls, source: PathLike | bytes | bytearray | memoryview) -> Self:
         """Of a file, or bytes, that `save` or pbf-bake wrote."""
-        saved = state_of(source)
+        saved = state_of(source, b"PBFSHAPE")
         out = ffi.new("pbf_shape **")
         check(lib.pbf_load_shape(ffi.from_buffer(saved), len(saved), out))
         return cls(out[0])

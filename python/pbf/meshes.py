@@ -8,6 +8,7 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _files
 from ._errors import DataError
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.uint32]]
@@ -21,7 +22,7 @@ def read_mesh(path: Union[str, os.PathLike[str]], dimension: int = 3) -> Mesh:
         raise DataError(f'{path} ends in "{ending}"; meshes are read from .obj and .stl files, '
                         'and shapes of pbf-bake where "from" is "baked"')
     try:
-        content = path.read_bytes()
+        content = _files.content(path, _files.MESH_MOST)
     except OSError as error:
         raise DataError(f"{path} can't be read: {error.strerror}") from None
     if ending == ".obj":
@@ -77,7 +78,7 @@ def _fan(corners: list[int], dimension: int) -> list[list[int]]:
     return [[*first, corners[i - 1], corners[i]] for i in range(dimension - 1, len(corners))]
 
 
-def _stl(path: pathlib.Path, content: bytes) -> Mesh:
+def _stl(path: pathlib.Path, content: bytearray) -> Mesh:
     """Every triangle has its own vertices; the library joins those in one place."""
     triangles = int.from_bytes(content[80:84], "little")
     vertices: NDArray[Any]

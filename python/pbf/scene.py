@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _files
 from . import params as parameters
 from ._errors import DataError, Error, InvalidArgumentError
 from ._numbers import real, reals, uint32
@@ -235,8 +236,9 @@ def load_scene(source: Union[str, os.PathLike[str], Mapping[str, Any]]) -> Scene
             raise InvalidArgumentError(f'there is no scene "{name}"{near_name(name, scenes())}; '
                                        'pbf.scenes() lists them, and a file\'s name ends in ".json"')
         path = _FOLDER / f"{name}.json"
+    data = _files.content(path, _files.SCENE_MOST)
     try:
-        return _scene_of(_parsed(path.read_bytes()), path.stem, path.parent)
+        return _scene_of(_parsed(data), path.stem, path.parent)
     except Error as error:
         raise DataError(f"{path}: {error}") from None
 
@@ -250,7 +252,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return item
 
 
-def _parsed(data: bytes) -> Any:
+def _parsed(data: bytearray) -> Any:
     """Of whatever bytes a file holds."""
     try:
         return json.loads(data.decode("utf-8-sig"), object_pairs_hook=_once)

@@ -103,3 +103,9 @@ def test_damaged_arrays_are_named(folder):
         np.save(path, array)
         with pytest.raises(pbf.DataError, match="positions_000010.npy holds .*; it must hold real numbers in 2"):
             pbf.load_dump(folder)[1]
+
+
+def test_a_dump_without_end(tmp_path):
+    (tmp_path / "dump.json").symlink_to("/dev/zero")
+    with pytest.raises(pbf.DataError, match="dump.json has more than 16777216 bytes"):
+        pbf.load_dump(tmp_path)

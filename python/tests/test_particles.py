@@ -124,6 +124,17 @@ def test_read_into_a_layout(dam, rng):
     assert (column[::2] == dam.densities).all()
 
 
+def test_reading_and_writing_none(make):
+    """Of an array without rows NumPy may say that its strides are 0."""
+    fluid = make([[0.2, 0.2, 0.2]])
+    for rows in (np.empty((0, 3), fluid.dtype), np.empty((5, 3), fluid.dtype)[:0]):
+        assert fluid.read("position", rows, first=1) is rows
+        fluid.write("velocity", rows)
+    fluid.remove([0])
+    fluid.read("id", np.empty(0, np.uint32))
+    fluid.read("velocity", np.empty((fluid.count, 4), np.float64))
+
+
 def test_read_refuses(dam):
     for arguments, words in [
             ({"field": "colour"}, '"position"'), ({"field": "position", "order": "sorted"}, "stored"),

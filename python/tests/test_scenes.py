@@ -7,6 +7,7 @@ import pytest
 
 import pbf
 from conftest import BACKEND
+from pbf.meshes import read_mesh
 
 
 @pytest.mark.parametrize("name, count", [
@@ -264,6 +265,27 @@ def test_files_that_are_none(tmp_path):
         pbf.load_scene("dam-brake-3d")
     with pytest.raises(FileNotFoundError):
         pbf.load_scene("nowhere.json")
+
+
+def test_files_without_end(tmp_path):
+    for name, ending in (("endless.json", "16777216"), ("endless.obj", "268435456"),
+                         ("endless.stl", "268435456")):
+        (tmp_path / name).symlink_to("/dev/zero")
+        with pytest.raises(pbf.DataError, match=f"{name} has more than {ending} bytes"):
+            if name.endswith(".json"):
+                pbf.load_scene(tmp_path / name)
+            else:
+                read_mesh(tmp_path / name)
+
+
+def test_sentences_are_one_line():
+    scene = {"a\nERROR: b\x1b[2J\ud800": 1}
+    with pytest.raises(pbf.DataError) as error:
+        pbf.load_scene(scene)
+    assert str(error.value).startswith("/a?ERROR: b?[2J?: the key ")
+    assert error.value.sentence.isprintable()
+    with pytest.raises(pbf.InvalidArgumentError, match='no scene "a.b"'):
+        pbf.load_scene("a\nb")
 
 
 @pytest.mark.parametrize("text, words", [

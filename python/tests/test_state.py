@@ -1,8 +1,10 @@
 """Saved states, pickles and copies."""
 import copy
+import os
 import pickle
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -139,3 +141,32 @@ def test_geometries_are_copied_and_pickled():
     corner = pbf.Geometry.from_points(np.vstack([np.zeros((1, 3)), np.eye(3)]), cell=0.1)
     for made in (copy.copy(corner), copy.deepcopy(corner), pickle.loads(pickle.dumps(corner))):
         assert made.volume == corner.volume and (made.values == corner.values).all()
+
+
+def test_what_is_no_state_is_read_no_further():
+    for endless in ("/dev/zero", "/dev/full"):
+        with pytest.raises(pbf.DataError, match="begin"):
+            pbf.Solver.restore(endless)
+        with pytest.raises(pbf.DataError, match="begin"):
+            pbf.Geometry.load(endless)
+
+
+def test_states_come_through_pipes(run_in, tmp_path):
+    state = run_in.save() + bytes(1 << 20)  # more than a pipe holds, and more than one part
+    with pytest.raises(pbf.DataError) as as_bytes:
+        pbf.Solver.restore(state)
+    assert restored(state, tmp_path / "long") == as_bytes.value.sentence
+    assert restored(run_in.save(), tmp_path / "whole") == run_in.hash
+
+
+def restored(state, pipe):
+    """The hash of what comes through a pipe, or the sentence that it is none."""
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=pipe.write_bytes, args=(state,))
+    writer.start()
+    try:
+        return pbf.Solver.restore(pipe).hash
+    except pbf.DataError as error:
+        return error.sentence
+    finally:
+        writer.join()
