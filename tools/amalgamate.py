@@ -88,7 +88,7 @@ def renamed(text, names, number):
 def library_sources():
     text = (ROOT / "lib" / "CMakeLists.txt").read_text(encoding="utf-8")
     listed = re.search(r"set\(sources\n(.*?)\)\n", text, re.DOTALL)[1].split()
-    of_system = [f"../backends/common/{name}" for name in ("system_posix.c", "waits.c")]
+    of_system = [f"../backends/common/{name}" for name in ("system_posix.c", "waits.c", "module_held.c")]
     posix = [part for name in listed for part in (of_system if name == "${system}" else [name.replace("${PBF_SYSTEM}", "posix")])]
     return [*(ROOT / "lib" / name for name in posix), ROOT / "lib/plugin/discover_linked.c", *(ROOT / name for name in C_SOURCES)]
 

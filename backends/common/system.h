@@ -57,6 +57,7 @@ void pbf_wasm_wait(uint32_t *word, uint32_t value);
 
 typedef struct pbf_thread {
   pthread_t thread;
+  void *module; /* that it holds while it runs */
 } pbf_thread;
 
 typedef struct pbf_per_thread {

@@ -3,6 +3,7 @@
 #include "common/system.h"
 
 #include "common/at_load.h"
+#include "common/module.h"
 
 #include <errno.h>
 #include <sched.h>
@@ -165,29 +166,38 @@ int pbf_thread_start(pbf_thread *thread, pbf_thread_kind kind, size_t stack_byte
   leave_faults(&blocked, &before);
   if (kind == PBF_THREAD_OF_CALLBACKS) leave_stops(&blocked, &before);
   pthread_sigmask(SIG_SETMASK, &blocked, NULL); /* which a thread has from the one that starts it */
+  thread->module = pbf_module_hold();
   const int failed = pthread_create(&thread->thread, &attributes, run, user);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   pthread_attr_destroy(&attributes);
+  if (failed) pbf_module_release(thread->module);
   return !failed;
 }
 
 #if defined(__linux__)
 
 /* The C library ends the process where it can't wait. */
-void pbf_thread_join(pbf_thread *thread) {
+static void wait_for_end(pthread_t thread) {
   if (pbf_can_wait()) {
-    pthread_join(thread->thread, NULL);
+    pthread_join(thread, NULL);
     return;
   }
-  while (pthread_tryjoin_np(thread->thread, NULL) == EBUSY) sched_yield();
+  while (pthread_tryjoin_np(thread, NULL) == EBUSY) sched_yield();
 }
 
 #else
 
-void pbf_thread_join(pbf_thread *thread) { pthread_join(thread->thread, NULL); }
+static void wait_for_end(pthread_t thread) { pthread_join(thread, NULL); }
 
 #endif
 
+void pbf_thread_join(pbf_thread *thread) {
+  void *module = thread->module;
+  wait_for_end(thread->thread);
+  pbf_module_release(module);
+}
+
+/* It holds its module for ever: nothing tells of its end. */
 void pbf_thread_detach(pbf_thread *thread) { pthread_detach(thread->thread); }
 
 uintptr_t pbf_thread_of(const pbf_thread *thread) { return (uintptr_t)thread->thread; }
