@@ -67,23 +67,47 @@ static int has_no_end(const pbf_query_place *place) {
   return found;
 }
 
+/* How far the nearest of some particles is. */
+static double nearest_of(const pbf_query_index *index, uint32_t begin, uint32_t end,
+                         const double point[3]) {
+  const uint32_t n = index->dimension;
+  double nearest = INFINITY;
+  for (uint32_t i = begin; i < end; ++i) {
+    double square = 0;
+    for (uint32_t k = 0; k < n; ++k) {
+      const double to =
+          pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k];
+      square += to * to;
+    }
+    nearest = fmin(nearest, square);
+  }
+  return sqrt(nearest);
+}
+
 /* From how far on a particle near the cell can contribute to the density at the place. */
 static double gap_at(const pbf_query_place *place, const ray *r, double t) {
-  const pbf_query_index *index = place->index;
-  const uint32_t n = index->dimension;
   double point[3], nearest = INFINITY;
   point_at(r, t, point);
   for (uint32_t run = 0; run < place->count; ++run)
-    for (uint32_t i = place->runs[run].begin; i < place->runs[run].end; ++i) {
-      double square = 0;
-      for (uint32_t k = 0; k < n; ++k) {
-        const double to =
-            pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k];
-        square += to * to;
-      }
-      nearest = fmin(nearest, square);
-    }
-  return sqrt(nearest) - index->radius;
+    nearest = fmin(nearest,
+                   nearest_of(place->index, place->runs[run].begin, place->runs[run].end, point));
+  return nearest - place->index->radius;
+}
+
+/* From where nothing is near to a cell before those that have something near, whichever particle is
+ * the nearest: what flew far away may leave a million of empty cells between. */
+static double leap(const pbf_query_index *index, const ray *r, double t) {
+  enum { CELLS = 8 }; /* more than the corner of the farthest cell that is looked at */
+  double point[3];
+  point_at(r, t, point);
+  return t + nearest_of(index, 0, index->count, point) - CELLS * index->cell;
+}
+
+/* Of how many empty cells it is worth a look at all particles; never with images of these. */
+static uint32_t cells_worth_a_leap(const pbf_query_index *index) {
+  for (uint32_t k = 0; k < index->dimension; ++k)
+    if (index->period[k] > 0) return UINT32_MAX;
+  return 32 + index->count / 256;
 }
 
 static double density_at(pbf_query_place *place, const ray *r, double t) {
@@ -125,12 +149,20 @@ static double next_look(const pbf_query_place *place, const ray *r, double t, do
 
 /* The first meeting's distance, or INFINITY. */
 static double meet(pbf_query_place *place, ray *r) {
+  const uint32_t worth = cells_worth_a_leap(place->index);
   clip(place->index, r);
   double t = r->begin;
   if (!(t <= r->end)) return INFINITY;
   double beyond = density_at(place, r, t) - PBF_QUERY_SURFACE;
+  uint32_t empty = 0; /* cells, since the last leap */
   while (t < r->end) {
-    const double next = fmin(next_look(place, r, t, beyond + PBF_QUERY_SURFACE), r->end);
+    double next = next_look(place, r, t, beyond + PBF_QUERY_SURFACE);
+    empty = place->is_set && place->count == 0 ? empty + 1 : 0;
+    if (empty == worth) {
+      next = fmax(next, leap(place->index, r, t));
+      empty = 0;
+    }
+    next = fmin(next, r->end);
     const double beyond_next = density_at(place, r, next) - PBF_QUERY_SURFACE;
     if ((beyond_next < 0) != (beyond < 0)) return refine(place, r, t, beyond, next, beyond_next);
     if (!(next > t)) break; /* too far out for steps of this length */

@@ -102,11 +102,40 @@ static void levels_of_a_pool(void **state) {
   test_for_each_kind(check_levels);
 }
 
+/* Levels below a particle that flew so high that a walk through each cell between would take
+ * minutes for all of them: a test's time is over before it. */
+static void check_far_above(uint32_t dimension, uint32_t precision) {
+  enum { MANY = 8000 };
+  const double height = 8000;
+  static double x[MANY * 3], levels[MANY];
+  const pool p = pool_of(dimension, precision, still, 1);
+  float far32[3] = {(float)(6 * d), (float)(height - 1), (float)(6 * d)};
+  double far64[3] = {6 * d, height - 1, 6 * d};
+  pbf_params params = {.struct_size = sizeof params};
+  uint32_t seed = 7;
+  assert_ok(pbf_get_params(p.solver, &params));
+  params.domain_max[1] = height;
+  assert_ok(pbf_set_params(p.solver, &params));
+  const void *far = precision == PBF_FLOAT32 ? (const void *)far32 : far64;
+  assert_ok(pbf_add_particles(p.solver, 1, far, NULL, NULL));
+  for (uint32_t i = 0; i < MANY * dimension; ++i) x[i] = random_in(&seed, 6 * d, 8 * d);
+  assert_ok(pbf_get_levels(p.solver, MANY, x, levels));
+  for (uint32_t i = 0; i < MANY; ++i)
+    if (!(fabs(levels[i] - level) < 0.25 * d)) fail_msg("level %u is %.9g", i, levels[i]);
+  pbf_destroy(p.solver);
+}
+
+static void levels_below_what_flew_away(void **state) {
+  (void)state;
+  test_for_long_kinds(check_far_above);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_at_a_flat_pool),
       cmocka_unit_test(rays_past_nothing),
       cmocka_unit_test(levels_of_a_pool),
+      cmocka_unit_test(levels_below_what_flew_away),
   };
   return TEST_RUN(tests);
 }
