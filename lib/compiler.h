@@ -17,15 +17,16 @@
 
 #define PBF_FRAME_ADDRESS() __builtin_frame_address(0)
 
-/* Runs when the library is loaded: static, void (void). */
-#define PBF_AT_LOAD(function) \
-  static void function(void); \
-  PBF_CONSTRUCTOR static void function(void)
+/* Runs when the library is loaded: static, void (void). Of a function that is declared twice GCC
+ * takes the priority of the first declaration. */
+#define PBF_AT_LOAD(function)                 \
+  PBF_CONSTRUCTOR static void function(void); \
+  static void function(void)
 
 /* Runs when it is unloaded, or the program ends. */
-#define PBF_AT_UNLOAD(function) \
-  static void function(void);   \
-  PBF_DESTRUCTOR static void function(void)
+#define PBF_AT_UNLOAD(function)              \
+  PBF_DESTRUCTOR static void function(void); \
+  static void function(void)
 
 #else /* cl */
 
