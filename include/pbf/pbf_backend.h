@@ -174,8 +174,11 @@ typedef struct pbf_backend_array {
  * not 0, for saved states. Two numbers of the backend's own, the first -1 while it sleeps. */
 enum { PBF_BACKEND_FIELD_REST = 100, PBF_BACKEND_REST_COMPONENTS = 2 };
 
-/* And while it knows of an overlap: what is left of it, a number of each particle. */
+/* And while it knows of an overlap: what is left of it, a number of each particle. The host writes
+ * the second to those that have been set elsewhere since the last step, which are placed as those
+ * of pbf_overlap are. */
 enum { PBF_BACKEND_FIELD_OVERLAP = 101 };
+#define PBF_BACKEND_OVERLAP_PLACED 1e30
 
 /* Of a backend with this extension, a uint32_t of 1, while params.solver is PBF_SOLVER_CHEBYSHEV:
  * the pressure of the last step, of which the next one takes over a part. A number of each
@@ -227,7 +230,8 @@ typedef struct pbf_overlap {
                                    have left it, … */
   double before, now;           /* … and the parts of it that steps left so far, and leave now;
                                    where steps are as before `part` is 0, and these say nothing */
-  double least;                 /* what is allowed for may be so far below 0 */
+  double least;                 /* what is allowed for may be so far below 0; the error that steps
+                                   leave under all of the fluid */
   const pbf_entering *entering; /* null: none do; valid during the call */
 } pbf_overlap;
 

@@ -1,9 +1,13 @@
 /* Reading and overwriting rows of particles. */
 #include "particles.h"
 
+#include <string.h>
+
 #include "check.h"
+#include "elsewhere.h"
 #include "emission/guided.h"
 #include "error.h"
+#include "memory.h"
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
@@ -71,21 +75,41 @@ static pbf_status write_velocities(pbf_solver *solver, uint32_t first, uint32_t 
   return write_checked(solver, PBF_FIELD_VELOCITY, first, count, in);
 }
 
-/* Those of all at once may be a shift of the world's origin, or another start. */
+/* Those of all at once may be a shift of the world's origin, or another start; what else goes
+ * elsewhere is placed. */
+static pbf_status note_written(pbf_solver *solver, pbf_set_rows *rows) {
+  const int is_all = rows->count == solver->count;
+  double shift[3] = {0, 0, 0};
+  if (is_all && !pbf_is_shift(solver, rows->before, rows->positions, shift)) {
+    pbf_note_set_anew(solver);
+    return PBF_OK;
+  }
+  memcpy(rows->shift, shift, sizeof shift);
+  const pbf_status status = pbf_elsewhere_note(solver, rows);
+  if (status == PBF_OK) pbf_note_shift(solver, shift);
+  return status;
+}
+
+/* Noted before they are written: what is written can't fail but with the device. */
+static pbf_status write_noted(pbf_solver *solver, uint32_t first, uint32_t count, const void *in) {
+  const uint64_t bytes = count * pbf_point_bytes(solver);
+  void *before;
+  pbf_status status =
+      pbf_memory_allocate(&solver->allocator, bytes, "the positions before", &before);
+  if (status != PBF_OK) return status;
+  pbf_set_rows rows = {first, count, before, in, {0, 0, 0}};
+  status = pbf_read_rows(solver, PBF_FIELD_POSITION, first, count, before);
+  if (status == PBF_OK) status = note_written(solver, &rows);
+  pbf_memory_free(&solver->allocator, before, bytes);
+  return status;
+}
+
 static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t count,
                                   const void *in) {
-  const int matters = count == solver->count && count > 0 && pbf_setting_matters(solver);
-  int is_shift = 0;
-  double shift[3];
   pbf_status status = check_written(solver, PBF_FIELD_POSITION, "positions", first, count, in);
-  if (status == PBF_OK && matters) status = pbf_shift_to(solver, in, &is_shift, shift);
-  if (status == PBF_OK) status = write_checked(solver, PBF_FIELD_POSITION, first, count, in);
-  if (status != PBF_OK || !matters) return status;
-  if (is_shift)
-    pbf_note_shift(solver, shift);
-  else
-    pbf_note_set_anew(solver);
-  return PBF_OK;
+  if (status == PBF_OK && count > 0 && pbf_setting_matters(solver))
+    status = write_noted(solver, first, count, in);
+  return status == PBF_OK ? write_checked(solver, PBF_FIELD_POSITION, first, count, in) : status;
 }
 
 pbf_status pbf_write_field(pbf_solver *solver, uint32_t field, uint32_t first, uint32_t count,

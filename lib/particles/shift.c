@@ -4,10 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "memory.h"
 #include "params.h"
-#include "solver/backend_call.h"
-#include "solver/ids.h"
 #include "solver/solver_time.h"
 #include "values.h"
 
@@ -41,12 +38,13 @@ static void way_of(const pbf_solver *solver, uint32_t row, const void *from, con
 /* A majority vote in one pass (Boyer and Moore 1981), so that a few that are set elsewhere at the
  * same time, or the first, decide nothing: half of the votes are left where three quarters go the
  * same way, and only where half of them do. */
-static int vote(const pbf_solver *solver, const void *from, const void *to, double shift[3]) {
+int pbf_is_shift(const pbf_solver *solver, const void *before, const void *positions,
+                 double shift[3]) {
   double rounding[3], way[3] = {0, 0, 0};
   uint32_t votes = 0;
   rounding_of(solver, rounding);
   for (uint32_t row = 0; row < solver->count; ++row) {
-    way_of(solver, row, from, to, way);
+    way_of(solver, row, before, positions, way);
     if (votes == 0) memcpy(shift, way, sizeof way);
     if (are_alike(solver, rounding, way, shift))
       ++votes;
@@ -54,19 +52,4 @@ static int vote(const pbf_solver *solver, const void *from, const void *to, doub
       --votes;
   }
   return 2 * (uint64_t)votes >= solver->count;
-}
-
-pbf_status pbf_shift_to(pbf_solver *solver, const void *positions, int *is_shift, double shift[3]) {
-  void *before;
-  uint64_t bytes = solver->count * pbf_point_bytes(solver);
-  memset(shift, 0, 3 * sizeof *shift);
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, bytes, "the positions before", &before);
-  if (status != PBF_OK) return status;
-  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
-  status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, before);
-  status = pbf_backend_result(solver, status, "read");
-  if (status == PBF_OK) *is_shift = vote(solver, before, positions, shift);
-  pbf_memory_free(&solver->allocator, before, bytes);
-  return status;
 }

@@ -4,8 +4,9 @@
 
 #include "solver/solver.h"
 
-/* *is_shift: whether most particles go the same way, *shift, to the new positions, which are those
- * of all. Reads the old ones: PBF_ERROR_OUT_OF_MEMORY. */
-pbf_status pbf_shift_to(pbf_solver *solver, const void *positions, int *is_shift, double shift[3]);
+/* Whether most particles go the same way, *shift, from the positions before to those that are set
+ * of all. */
+int pbf_is_shift(const pbf_solver *solver, const void *before, const void *positions,
+                 double shift[3]);
 
 #endif

@@ -15,6 +15,7 @@
 #include "physics/elementary.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
+#include "shape/growth.h"
 #include "solver_time.h"
 #include "structs.h"
 
@@ -192,13 +193,20 @@ static double turn_between(const pbf_collider *a, const pbf_collider *b) {
 
 static double distance_of(const double a[3], const double b[3]) { return sqrt(distance2(a, b)); }
 
+/* How far its surface goes at most between solids of shapes, of which one may be baked anew for
+ * each frame. */
+static double shape_growth_between(const pbf_collider *a, const pbf_collider *b, double most) {
+  const pbf_scaled_shape before = {a->geometry, a->scale}, next = {b->geometry, b->scale};
+  if (a->geometry == b->geometry) return fabs(a->scale - b->scale) * a->geometry->bound;
+  return pbf_shape_growth(&before, &next, (int)a->inverted, most);
+}
+
 /* How far its surface goes at most as it takes on another one's sizes; without end, if that is no
- * matter of sizes. */
-static double growth_between(const pbf_collider *a, const pbf_collider *b) {
-  if (a->shape != b->shape || a->inverted != b->inverted || a->geometry != b->geometry)
-    return INFINITY;
+ * matter of sizes. More than `most` may be any such number. */
+static double growth_between(const pbf_collider *a, const pbf_collider *b, double most) {
+  if (a->shape != b->shape || a->inverted != b->inverted) return INFINITY;
   if (a->shape == PBF_COLLIDER_BOX) return distance_of(a->half_extents, b->half_extents);
-  if (a->shape == PBF_COLLIDER_SHAPE) return fabs(a->scale - b->scale) * a->geometry->bound;
+  if (a->shape == PBF_COLLIDER_SHAPE) return shape_growth_between(a, b, most);
   return fabs(a->radius - b->radius) + fabs(a->half_length - b->half_length);
 }
 
@@ -214,7 +222,7 @@ static int is_surely_near(const pbf_collider *before, double elapsed, const pbf_
                           double h, double most_growth) {
   const double by_norm = 0.004;        /* that orientations have to 1e-6 */
   const double most_per_sine = 1.5708; /* asin x <= pi / 2 x */
-  if (!keeps_size(before) || growth_between(before, next) > most_growth) return 0;
+  if (!keeps_size(before) || growth_between(before, next, most_growth) > most_growth) return 0;
   const double cosine = cosine_of_half_turn(before, next);
   const double sine = sqrt(0.5 * (1 - cosine)); /* of a quarter of the turn between the poses */
   const double turn =
@@ -229,7 +237,7 @@ static void find_jump(const pbf_collider *before, double elapsed, const pbf_coll
                       double most_growth, double way[3], double *turn) {
   pbf_collider now = *next;
   if (before) pbf_motion_collider(before, elapsed, &now);
-  const int is_it = before && growth_between(&now, next) <= most_growth;
+  const int is_it = before && growth_between(&now, next, most_growth) <= most_growth;
   *turn = is_it ? turn_between(&now, next) : INFINITY;
   for (int a = 0; a < 3; ++a) way[a] = next->position[a] - now.position[a];
 }

@@ -11,7 +11,8 @@
 static pbf_overlap *noted(pbf_solver *solver) {
   const pbf_collider_set placed = pbf_colliders_set(solver, 0, PBF_COLLIDERS_PLACED);
   if (!solver->overlap.found.struct_size) {
-    solver->overlap.found = (pbf_overlap){.struct_size = sizeof(pbf_overlap), .first_id = 1};
+    solver->overlap.found = (pbf_overlap){
+        .struct_size = sizeof(pbf_overlap), .first_id = 1, .least = solver->overlap.left};
     for (uint32_t w = 0; w < placed.words; ++w) placed.more[w] = 0;
   }
   return &solver->overlap.found;
@@ -126,6 +127,16 @@ static pbf_status tell(pbf_solver *solver, const pbf_overlap *overlap) {
   return pbf_backend_result(solver, status, "set_overlap");
 }
 
+static const pbf_overlap none = {.struct_size = sizeof none, .first_id = 1};
+
+pbf_status pbf_overlap_expect(pbf_solver *solver) {
+  pbf_status status = solver->overlap.end > 0 ? PBF_OK : tell(solver, &none);
+  if (status != PBF_OK) return status;
+  solver->overlap.end = pbf_solver_time(solver) + time_apart(solver);
+  noted(solver);
+  return PBF_OK;
+}
+
 /* Nothing overlaps any more. */
 pbf_status pbf_overlap_forget(pbf_solver *solver) {
   solver->overlap.found.struct_size = 0;
@@ -142,7 +153,6 @@ static pbf_status tell_most(pbf_solver *solver, double most) {
 }
 
 pbf_status pbf_overlap_restore(pbf_solver *solver, const pbf_overlap_state *overlap) {
-  static const pbf_overlap none = {.struct_size = sizeof none, .first_id = 1};
   pbf_status status = tell_most(solver, overlap->most);
   if (status != PBF_OK) return status;
   if (!solver->api.set_overlap) return PBF_OK;

@@ -8,6 +8,9 @@
 /* The particles of these rows are where no step has moved them. */
 void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t last_id);
 
+/* The backend keeps what overlaps, for the host to write to: the next step looks for it. */
+pbf_status pbf_overlap_expect(pbf_solver *solver);
+
 /* These of its colliders are where nothing has moved them. */
 void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *colliders);
 

@@ -60,8 +60,13 @@ PBF_FN_HOST_NOINLINE pbf_real placed_boundary(const pbf_constants *c, const Obst
 
 }  // namespace
 
-PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id) {
-  return id >= found.first_id && id <= found.last_id;
+/* One that has been set elsewhere has a mark in place of what is left of its overlap. */
+PBF_FN bool pbf_is_set_elsewhere(pbf_real overlap) {
+  return overlap >= (pbf_real)PBF_BACKEND_OVERLAP_PLACED;
+}
+
+PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id, pbf_real overlap) {
+  return (id >= found.first_id && id <= found.last_id) || pbf_is_set_elsewhere(overlap);
 }
 
 /* ---- Particles that enter -------------------------------------------------------------------- */
@@ -98,7 +103,7 @@ PBF_FN pbf_real pbf_overlap_entering(const pbf_entering &entering, pbf_real erro
 /* The part of a particle that is placed: all, what is still outside of one that enters, or none. */
 PBF_FN pbf_real pbf_placed_part(const pbf_overlap &found, const pbf_entering &entering, uint32_t id,
                                 pbf_real overlap) {
-  if (pbf_is_placed(found, id)) return 1;
+  if (pbf_is_placed(found, id, overlap)) return 1;
   return pbf_enters(entering, id) ? pbf_real_min(pbf_real_max(overlap, 0), 1) : 0;
 }
 
@@ -122,12 +127,14 @@ PBF_FN pbf_real pbf_overlap_shifted(const pbf_overlap &found, pbf_real error, pb
 
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
  * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
- * all of its error. */
+ * all of its error; of one that was set elsewhere, maybe with its vessel and all of the water
+ * there, all but what weight presses it by. */
 PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found,
                                   const pbf_entering &entering, uint32_t id, pbf_real density,
                                   pbf_real placed_density, pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
-  if (pbf_is_placed(found, id)) return pbf_real_max(before, error);
+  if (pbf_is_set_elsewhere(before)) return pbf_real_max(error - (pbf_real)found.least, 0);
+  if (pbf_is_placed(found, id, before)) return pbf_real_max(before, error);
   if (pbf_enters(entering, id))
     return pbf_overlap_entering(entering, error, placed_density + before * c->value_scale, 0);
   if (placed_density > 0 && entering.struct_size)
@@ -173,6 +180,7 @@ PBF_FN pbf_real pbf_overlap_of_error(pbf_real overlap, pbf_real error) {
  * What is small is small over all of a tank's height, as after a change of the step, and there the
  * ways of all layers add up to the surface's. */
 PBF_FN pbf_real pbf_overlap_left(pbf_real decay, pbf_real overlap) {
+  if (pbf_is_set_elsewhere(overlap)) return overlap;
   const pbf_real goes = pbf_real_min(1, 5 * overlap) + 10 * pbf_real_max(overlap - 1, 0);
   const pbf_real left = overlap - decay * goes;
   return overlap > 0 ? pbf_real_max(left, 0) : pbf_real_min(left, 0);
