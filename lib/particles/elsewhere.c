@@ -1,7 +1,5 @@
 #include "elsewhere.h"
 
-#include <math.h>
-
 #include "memory.h"
 #include "physics/depenetration.h"
 #include "solver/backend_call.h"
@@ -24,7 +22,8 @@ static double way2_of(const pbf_solver *solver, const pbf_set_rows *rows, uint32
 
 static double most_pushed2(const pbf_solver *solver) {
   const double speed = pbf_max_depenetration_speed_of(&solver->params, (int)solver->kind.dimension);
-  return pow(speed * pbf_part_time_step(solver), 2);
+  const double way = speed * pbf_part_time_step(solver);
+  return way * way;
 }
 
 /* How many rows lie between the first and the last that goes elsewhere. */
