@@ -10,6 +10,9 @@ extern const char *checked_backend;
 /* Ends the program where a call has failed: with 2 when there is no device, else with 1. */
 void must(pbf_status status, const char *what);
 
+/* Adds the scene's particles, by parts that need little memory, and sets its colliders. */
+void fill(const scene *s, pbf_solver *solver, uint32_t precision);
+
 pbf_solver *solver_for(const scene *s, const char *backend, uint32_t precision);
 
 /* count x dim, to be freed. */

@@ -81,23 +81,6 @@ typedef struct job {
   char name[96];
 } job;
 
-static void fill(const job *j, pbf_solver *solver) {
-  const uint32_t count = scene_count(&j->s), dim = j->s.dimension;
-  void *positions = malloc((size_t)count * dim * j->precision);
-  for (uint32_t i = 0; i < count; ++i)
-    for (uint32_t k = 0; k < dim; ++k) {
-      const size_t at = (size_t)i * dim + k;
-      if (j->precision == PBF_FLOAT32)
-        ((float *)positions)[at] = (float)scene_coordinate(&j->s, i, k);
-      else
-        ((double *)positions)[at] = (float)scene_coordinate(&j->s, i, k);
-    }
-  must(pbf_add_particles(solver, count, positions, NULL, NULL), "pbf_add_particles");
-  free(positions);
-  if (j->s.collider_count)
-    must(pbf_set_colliders(solver, j->s.collider_count, j->s.colliders), "pbf_set_colliders");
-}
-
 static pbf_solver *create(const job *j, const pbf_ranks *ranks) {
   pbf_desc desc;
   pbf_solver *solver;
@@ -149,7 +132,7 @@ static void check_job(const pbf_ranks *ranks, void *context) {
   doing[r] = "create";
   pbf_solver *solver = create(j, ranks);
   doing[r] = "add";
-  fill(j, solver);
+  fill(&j->s, solver, j->precision);
   doing[r] = "the first steps";
   must(pbf_step(solver, j->steps / 2), "pbf_step");
   doing[r] = "the other steps";
@@ -170,7 +153,7 @@ static void time_job(const pbf_ranks *ranks, void *context) {
   const uint32_t r = ranks ? ranks->rank : 0;
   pbf_solver *solver = create(j, ranks);
   doing[r] = "add";
-  fill(j, solver);
+  fill(&j->s, solver, j->precision);
   doing[r] = "the first steps";
   must(pbf_step(solver, j->lead_in), "pbf_step");
   doing[r] = "the other steps";
