@@ -247,10 +247,15 @@ static inline double pbf_whole_power(double x, int n) {
   return isfinite(power.high) ? power.high : plain;
 }
 
+/* What is near the ends of the range of numbers is brought away from them by 2^300 first. */
 static inline double pbf_cube_root(double x) {
-  const pbf_pair_real base = {x, 0}, third = {1 / 3.0, 0x1.5555555555555p-56};
-  if (!(x > 1e-300 && x < 1e300)) return cbrt(x);
-  return pbf_pair_exp(pbf_pair_multiply(third, pbf_pair_log(base))).high;
+  const pbf_pair_real third = {1 / 3.0, 0x1.5555555555555p-56};
+  const int end = x < 1e-290 ? -1 : x > 1e290 ? 1 : 0;
+  const pbf_pair_real base = {x * (end < 0 ? 0x1p300 : end > 0 ? 0x1p-300 : 1), 0};
+  if (!(x > 0 && isfinite(x))) return cbrt(x); /* exact, or no number */
+  return pbf_pair_exp(pbf_pair_multiply(third, pbf_pair_log(base))).high * (end < 0   ? 0x1p-100
+                                                                            : end > 0 ? 0x1p100
+                                                                                      : 1);
 }
 
 /* Of an area in 2D, of a volume in 3D. */

@@ -134,6 +134,8 @@ static void ends_are_exact(void **state) {
   expect("pbf_cube_root", 0, pbf_cube_root(0), 0);
   expect("pbf_cube_root", 1e9, pbf_cube_root(1e9), 1000);
   expect("pbf_cube_root", 0x1p-1002, pbf_cube_root(0x1p-1002), 0x1p-334);
+  expect("pbf_cube_root", 0x1p-1074, pbf_cube_root(0x1p-1074), 0x1p-358);
+  expect("pbf_cube_root", 0x1p1023, pbf_cube_root(0x1p1023), 0x1p341);
   expect("pbf_angle", 0, pbf_angle(0, 1), 0);
   expect("pbf_angle", 0, pbf_angle(0, 0), 0);
 }
