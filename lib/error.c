@@ -57,9 +57,12 @@ const char *pbf_last_error(void) {
   return own ? own->last : none();
 }
 
+/* A line at once: of half a character nothing is left, and then the backend has said nothing. */
 void pbf_plugin_message_set(const char *message) {
   messages *own = take();
-  if (own) snprintf(own->plugin, sizeof own->plugin, "%s", message ? message : "");
+  if (!own) return;
+  snprintf(own->plugin, sizeof own->plugin, "%s", message ? message : "");
+  pbf_text_make_line(own->plugin);
 }
 
 void pbf_plugin_message_clear(void) {

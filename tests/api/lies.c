@@ -122,11 +122,11 @@ static void a_failure_without_a_reason(void **state) {
       {77, PBF_ERROR_PLUGIN, "the unknown status 77 from step"},
       {-1000, PBF_ERROR_PLUGIN, "the unknown status -1000"},
   };
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 6; ++i) {
     control->calls_until_failure = 1;
-    control->failure_status = cases[i].status;
-    control->failure_is_silent = 1;
-    assert_fails(pbf_step(s, 1), cases[i].expected, cases[i].words);
+    control->failure_status = cases[i % 3].status;
+    control->failure_is_silent = 1 + i / 3;
+    assert_fails(pbf_step(s, 1), cases[i % 3].expected, cases[i % 3].words);
   }
   pbf_destroy(s);
 }

@@ -55,6 +55,7 @@ static pbf_status ordered_failure(void) {
   if (stub_control.calls_until_failure == 0 || --stub_control.calls_until_failure != 0)
     return PBF_OK;
   if (!stub_control.failure_is_silent) host->set_error("the test ordered this failure");
+  if (stub_control.failure_is_silent == 2) host->set_error("\xe2\x82");
   return stub_control.failure_status;
 }
 

@@ -30,7 +30,7 @@ typedef struct ballistic_control {
   ballistic_lie lie;
   int32_t calls_until_failure; /* counts down with each call; the one that finds 1 fails */
   int32_t failure_status;
-  uint32_t failure_is_silent;
+  uint32_t failure_is_silent;      /* 1: it has no sentence, 2: one of half a character */
   void (*inside_step)(void *user); /* while a step runs; may be null */
   void *user;
   uint32_t worlds;         /* that the last solver was told of */
