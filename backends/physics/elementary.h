@@ -250,12 +250,10 @@ static inline double pbf_whole_power(double x, int n) {
 /* What is near the ends of the range of numbers is brought away from them by 2^300 first. */
 static inline double pbf_cube_root(double x) {
   const pbf_pair_real third = {1 / 3.0, 0x1.5555555555555p-56};
-  const int end = x < 1e-290 ? -1 : x > 1e290 ? 1 : 0;
-  const pbf_pair_real base = {x * (end < 0 ? 0x1p300 : end > 0 ? 0x1p-300 : 1), 0};
+  const double scale = x < 1e-290 ? 0x1p100 : x > 1e290 ? 0x1p-100 : 1;
+  const pbf_pair_real base = {x * scale * scale * scale, 0};
   if (!(x > 0 && isfinite(x))) return cbrt(x); /* exact, or no number */
-  return pbf_pair_exp(pbf_pair_multiply(third, pbf_pair_log(base))).high * (end < 0   ? 0x1p-100
-                                                                            : end > 0 ? 0x1p100
-                                                                                      : 1);
+  return pbf_pair_exp(pbf_pair_multiply(third, pbf_pair_log(base))).high / scale;
 }
 
 /* Of an area in 2D, of a volume in 3D. */

@@ -414,7 +414,7 @@ struct pbf_backend_api {
    * act in each step and are 0 until they are written; or, with 0, none any more. */
   pbf_status (*set_accelerations)(pbf_backend_solver *solver, uint32_t on);
 
-  /* Optional, for backends from whose memory the host can't read: the particles in any of `count`
+  /* Optional, for backends with memory that the host can't read: the particles in any of `count`
    * boxes, 1 at least. Fills *found, but for its room. */
   pbf_status (*find_in_boxes)(pbf_backend_solver *solver, uint32_t count,
                               const pbf_backend_box *boxes, pbf_backend_found *found);

@@ -308,8 +308,8 @@ static void forged_states(void **state) {
     saved[i] = kept;
     pbf_destroy(other);
   }
-  /* The header, whose size stands at 12, ends with whether there are some, how many rows, and the
-   * size of it all. */
+  /* The header, of the size that stands at 12, ends with whether there are some, how many rows, and
+   * the size of it all. */
   uint32_t header;
   memcpy(&header, saved + 12, sizeof header);
   memset(saved + header - 16, 0, 4);
