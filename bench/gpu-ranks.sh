@@ -1,13 +1,14 @@
 #!/bin/sh
 # Checks and times one scene on several GPUs of one host, in one go:
 #
-#   bench/gpu-ranks.sh [outdir] [quick]
+#   bench/gpu-ranks.sh [outdir] [quick|largest]
 #
 # Needs cmake 3.25, a C and C++ compiler, nvcc and DLPack's header. Raw JSON, one object a line, goes
 # to outdir (default: $OUT, else bench/results/<host>): ranks-same.json, whether ranks have the bits of
 # one solver, and ranks-times.json, from which bench/tools/ranks_table.py makes a table. With `quick`
-# a build that is not optimised of $PBF_VARIANTS, checks and one size. PBF_COMMIT names the commit
-# where there is no git; PBF_BUILD_DIR a build to use as it is.
+# a build that is not optimised of $PBF_VARIANTS, checks and one size; with `largest` a billion particles
+# on all devices, in ranks-largest.json: some 200 bytes a particle, and minutes to add them. PBF_COMMIT
+# names the commit where there is no git; PBF_BUILD_DIR a build to use as it is.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-${OUT:-$root/bench/results/$(uname -n)}}
@@ -20,7 +21,7 @@ failed=0
 if [ -z "${PBF_BUILD_DIR:-}" ]; then
   generator=
   command -v ninja >/dev/null && generator='-G Ninja'
-  [ -z "$quick" ] || export CUDAFLAGS=--Ofast-compile=max
+  [ "$quick" != quick ] || export CUDAFLAGS=--Ofast-compile=max
   # shellcheck disable=SC2086
   cmake -S "$root" -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DPBF_REQUIRE_CUDA=ON -DPBF_BACKENDS=cuda \
     ${PBF_VARIANTS:+"-DPBF_VARIANTS=$PBF_VARIANTS"} -DPBF_BUILD_TESTS=OFF -DPBF_BUILD_BENCH=OFF \
@@ -36,6 +37,12 @@ devices=$(nvidia-smi --query-gpu=name --format=csv,noheader | wc -l)
 
 same() { timeout 200 "$ranks" same "$1" >>"$out/ranks-same.json" 2>&1 || failed=1; }
 timed() { timeout 200 "$ranks" time "$@" >>"$out/ranks-times.json" 2>&1 || failed=1; }
+if [ "$quick" = largest ]; then
+  timeout 500 "$ranks" time 1000000000 "$devices" >"$out/ranks-largest.json" 2>&1
+  status=$?
+  cat "$out/ranks-largest.json"
+  exit $status
+fi
 : >"$out/ranks-same.json"
 : >"$out/ranks-times.json"
 if [ -n "$quick" ]; then
