@@ -324,22 +324,24 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision, i
   run(&j, time_job);
   qsort(j.ms, j.runs, sizeof *j.ms, ascending);
   uint64_t bytes = 0, exchanged = 0;
-  int agree = 1; /* ranks, on the hash of all particles */
+  int agree = 1; /* ranks, on the number of particles and the hash of all */
   for (uint32_t r = 0; r < (ranks ? ranks : 1); ++r) {
-    agree &= j.hash[r] == j.hash[0];
+    agree &= j.hash[r] == j.hash[0] && j.stats[r].count == count;
     bytes += j.bytes[r];
     exchanged += j.exchanged[r];
   }
+  char hash[24] = "null";
+  if (count <= MOST_HASHED)
+    snprintf(hash, sizeof hash, "\"%016llx\"", (unsigned long long)j.hash[0]);
   printf(
       "{\"time\": \"shallow-dam-break%s\", \"device\": \"%s\", \"devices\": %u, \"ranks\": %u, "
       "\"particles\": %u, \"precision\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
       "\"max\": %.5f, \"bytes\": %llu, \"bytes_of_rooms\": %llu, \"section\": %u, "
-      "\"neighbors_mean\": %.3f, \"density_error_mean\": %.5f, \"hash\": \"%016llx\", \"good\": "
-      "%s}\n",
+      "\"neighbors_mean\": %.3f, \"density_error_mean\": %.5f, \"hash\": %s, \"good\": %s}\n",
       has_grid ? ", pressure grid" : "", j.name, devices, ranks, count, 8 * precision, j.steps,
       j.ms[j.runs / 2], j.ms[0], j.ms[j.runs - 1], (unsigned long long)bytes,
       (unsigned long long)exchanged, j.s.counts[0] * j.s.counts[1], j.stats[0].neighbors_mean,
-      j.stats[0].density_error_mean, (unsigned long long)j.hash[0], agree ? "true" : "false");
+      j.stats[0].density_error_mean, hash, agree ? "true" : "false");
   fflush(stdout);
 }
 

@@ -3,7 +3,7 @@
 GPUs from what bench/gpu.sh and bench/gpu-ranks.sh left.
 
     bench/tools/readme_table.py bench/results/nvidia-h200/speedup.json bench/results/nvidia-h200/times.json \\
-        bench/results/nvidia-h200-x4/ranks-times.json
+        bench/results/nvidia-h200-x4/ranks-times.json bench/results/nvidia-h200-x2/ranks-largest.json
 """
 import json
 import pathlib
@@ -60,23 +60,24 @@ def time_of(rows, million, **wanted):
     return f"{row['ms_per_step']:.3g} ms", row["device"].replace("NVIDIA ", "").split()[0]
 
 
-def gpus(times, ranks):
+def gpus(times, ranks, largest):
     """The defaults, h of two spacings in float32, of one dam break."""
     usual = [row for row in times if row["support"] == 2 and row["extra"] == ""]
     one, device = time_of(usual, 1)
     alone, other = time_of(ranks, 16, ranks=0)
     four, _ = time_of(ranks, 16, ranks=4)
+    billion, _ = time_of(largest, 1000, ranks=2)
     return (f"A million particles in 3D take {one} a step on an {device}; 16 million {alone} on an {other}, "
-            f"and {four} on [four](docs/many-ranks.md#gpus).")
+            f"and {four} on [four](docs/many-ranks.md#gpus); a billion fit on two, and take {billion}.")
 
 
-def main(speedup, times, ranks):
+def main(speedup, times, ranks, largest):
     result = json.loads(pathlib.Path(speedup).read_text(encoding="utf-8"))
     write_table("README.md", "speedup", table(result))
-    write_table("README.md", "gpus", gpus(lines_of(times), lines_of(ranks)))
+    write_table("README.md", "gpus", gpus(*map(lines_of, (times, ranks, largest))))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 4:
+    if len(sys.argv) != 5:
         sys.exit(__doc__)
     main(*sys.argv[1:])
