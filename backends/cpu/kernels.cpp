@@ -43,6 +43,7 @@ const kernels PBF_VARIANT_API = {
     .density = PBF_BUILT & (PBF_FEATURE_STATS | PBF_FEATURE_CHEBYSHEV) ? density : NULL,
     .fit = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? fit : NULL,
     .placed_density = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? placed_density : NULL,
+    .any_number_around = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? any_number_around : NULL,
     .residual_density = residual_density,
     .deposit = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit : NULL,
     .deposit_moves = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit_moves : NULL,

@@ -234,6 +234,18 @@ static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real
     lane_store(densities + g * WIDTH, sums_of_numbers(p, numbers, g).density);
 }
 
+/* What lies in the windows beside neighbours counts as well. */
+static int any_number_around(const pair_pass *p, const pbf_real *numbers, uint32_t g) {
+  const lane zero = ops<lane>::set(0);
+  for (block_cursor w = group_blocks(&p->lists, g); w.left; skip_block(&w)) {
+    const block *b = current_block(&w);
+    for (uint32_t part = 0; part < b->parts; ++part)
+      for (uint32_t slot = 0; slot < SLOTS; slot += WIDTH)
+        if (lane_any_below(zero, lane_load(numbers + b->first[part] + slot))) return 1;
+  }
+  return 0;
+}
+
 static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
                 uint32_t last) {
   const pbf_constants c = *p->constants;

@@ -34,9 +34,14 @@ PBF_FN bool smooths(const pair_pass *p) {
   return (PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && p->last_pressure;
 }
 
-/* What is allowed for of a group's overlap from its next iteration on. */
+/* Whether some of a group have an overlap: few do, and not for long. */
+PBF_FN bool any_overlap(const pbf_real *overlap, uint32_t g) {
+  return lane_any_below(ops<lane>::set(0), lane_load(overlap + g * WIDTH));
+}
+
+/* What is allowed for of a group's overlap from its next iteration on. What is below 0 stays. */
 PBF_FN void bound_overlap(const pair_pass *p, const lane *density, uint32_t g) {
-  if (!p->overlap) return;
+  if (!p->overlap || !any_overlap(p->overlap, g)) return;
   alignas(64) pbf_real densities[WIDTH];
   lane_store(densities, *density);
   pbf_real *overlap = p->overlap + g * WIDTH;
@@ -394,7 +399,8 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     pass.finish(sums, m->inv_time_step, &x, &v);
     lane_values moved = values_of(x);
     uint32_t lanes = lanes_in_group(&p->lists, g);
-    if (m->overlap || any_may_be_held(lane_load(m->lambda + g * WIDTH), sums.change)) {
+    if ((m->overlap && any_overlap(m->overlap, g)) ||
+        any_may_be_held(lane_load(m->lambda + g * WIDTH), sums.change)) {
       const lane_values change = values_of(sums.change);
       break_symmetry(pass.c, m, g * WIDTH, lanes, &change, &moved);
     }

@@ -109,19 +109,32 @@ static void find_overlap_of(const worker *w, range groups) {
   }
 }
 
-static bool reaches_group(const worker *w, uint32_t g) {
+/* Whether no more is to be found than what particles have been placed upon. */
+static bool only_particles_are_placed(const solver *s) {
+  const pbf_overlap *found = &s->found;
+  bool alone = !found->walls && !found->colliders && !(found->part < 0 || found->part > 0);
+  for (uint32_t word = 1; word < pbf_words_of(s->collider_count); ++word)
+    alone = alone && !s->table.placed[word - 1];
+  return alone;
+}
+
+/* Whether some of a group have been placed, or one that has may be near them: what is allowed for
+ * of others does not change then. */
+static bool placed_reach_group(const worker *w, const pair_pass *pairs, uint32_t g) {
   const range r = particles_of(w, {g, g + 1});
-  const field start = w->b.step_start();
   for (uint32_t i = r.first; i < r.last; ++i)
-    if (pbf_overlap_reaches(w->s->entering, field_at(&start, i))) return true;
-  return false;
+    if (w->b.is_placed()[i] > 0 || pbf_enters(w->s->entering, w->b.sorted_ids[i])) return true;
+  return w->s->kernels->any_number_around(pairs, w->b.is_placed(), g);
 }
 
 static void overlap_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const range groups = task_groups(w, task);
+  const pair_pass pairs = pairs_at(w, w->b.step_start(), packed_vectors(w->s));
+  const bool near_placed = only_particles_are_placed(w->s);
   for (uint32_t first = groups.first, last; first < groups.last; first = last + 1) {
-    for (last = first; last < groups.last && reaches_group(w, last);) ++last;
+    for (last = first; last < groups.last && (!near_placed || placed_reach_group(w, &pairs, last));)
+      ++last;
     if (last > first) find_overlap_of(w, {first, last});
   }
 }
