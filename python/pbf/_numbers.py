@@ -61,6 +61,8 @@ def _is_real(value: Any) -> bool:
 
 
 def real(name: str, value: Any) -> float:
+    if type(value) is float:  # most are
+        return value
     if _is_real(value):
         try:
             return float(value)
@@ -78,4 +80,6 @@ def reals(name: str, value: Any, lengths: tuple[int, ...]) -> list[float]:
     if isinstance(value, str) or len(items) not in lengths:
         wanted = " or ".join(str(length) for length in lengths)
         raise InvalidArgumentError(f"{name} is {shown(value)}; it must be a list of {wanted} numbers")
+    if all(type(item) is float for item in items):
+        return items
     return [real(f"{name}[{i}]", item) for i, item in enumerate(items)]

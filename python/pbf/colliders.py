@@ -94,16 +94,14 @@ class Collider:
                 geometry = value
                 struct.geometry = ffi.NULL if value is None else value.handle
                 continue
-            target = getattr(struct, name)
-            if isinstance(target, float):
+            if isinstance(getattr(struct, name), float):
                 setattr(struct, name, real(name, value))
                 continue
             lengths = (4,) if name == "orientation" else (2, 3)
             numbers = reals(name, value, (3,) if name == "angular_velocity" else lengths)
             if len(numbers) == 2:
                 numbers.append(_THIRD.get(name, 0.0))
-            for i, number in enumerate(numbers):
-                target[i] = number
+            setattr(struct, name, numbers)
         return geometry
 
 
