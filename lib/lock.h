@@ -9,6 +9,7 @@ typedef enum pbf_lock {
   PBF_LOCK_BACKENDS, /* the list of backends, and the search for them */
   PBF_LOCK_SOLVERS,  /* which solvers there are, and where calls run */
   PBF_LOCK_SHAPES,   /* which shapes there are, and what holds them */
+  PBF_LOCK_TASKS,    /* which tasks batches have in task systems, and the threads inside them */
   PBF_LOCK_COUNT
 } pbf_lock;
 

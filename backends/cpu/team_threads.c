@@ -31,6 +31,7 @@ typedef struct region {
   uint32_t threads, come; /* members there may be, and have been */
   atomic_uint inside;     /* threads of the pool that are */
   int is_waited_for;      /* until none is; both under the pool's lock */
+  uintptr_t number;       /* of a task: which its task system has for its address */
   /* Of each region one: a signal handler may wait in a thread that it has interrupted in a wait. */
   pbf_condition empty;
 } region;
@@ -49,7 +50,9 @@ static struct pool {
   pbf_condition wake; /* threads of the pool that sleep */
   atomic_uint opened; /* changes with each region that is */
   region *regions;    /* open */
-  uint32_t users;     /* solvers */
+  region *tasks;      /* in task systems, open */
+  uintptr_t tasks_so_far;
+  uint32_t users; /* solvers */
   uint32_t sleeping;
   atomic_uint size;    /* threads that there are */
   atomic_uint refused; /* 1: no more are to be had */
@@ -131,6 +134,7 @@ static void in_child(void) {
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
   pool.regions = NULL;
+  for (; pool.tasks; pool.tasks = pool.tasks->next) atomic_store(&pool.tasks->inside, 0);
   pool.sleeping = 0;
   pool.size = 0;
   pool.refused = 0;
@@ -288,41 +292,50 @@ static void run_many(region *r, double begin) {
 
 /* ---- A caller's task system ---------------------------------------------------------------- */
 
+/* Items need the lock. */
+static int open_task(region *r) {
+  if (!take_lock_soon()) return 0;
+  r->number = ++pool.tasks_so_far;
+  r->next = pool.tasks;
+  pool.tasks = r;
+  pbf_mutex_unlock(&pool.lock);
+  return 1;
+}
+
+/* What comes after that finds no task, and there is nothing left to do. The child of a fork has
+ * none of the tasks. */
+static void close_task(region *r) {
+  pbf_mutex_lock(&pool.lock);
+  region **link = &pool.tasks;
+  while (*link && *link != r) link = &(*link)->next;
+  if (*link) *link = r->next;
+  pbf_mutex_unlock(&pool.lock);
+}
+
 /* An item: a member if there is a place left. Which item it is does not matter, nor how many of
- * them the task system runs at once. */
-static void run_item(void *task, uint32_t first, uint32_t last) {
-  region *r = task;
+ * them the task system runs at once. The task is looked up by its number: its item may run after it
+ * has ended, of a system that does not wait for all. */
+static void run_item(void *number, uint32_t first, uint32_t last) {
   (void)first, (void)last;
   pbf_fp_environment before = pbf_fp_begin();
   pbf_mutex_lock(&pool.lock);
-  if (r->come < r->threads) join(r);
+  region *r = pool.tasks;
+  while (r && r->number != (uintptr_t)number) r = r->next;
+  if (r && r->come < r->threads) join(r);
   pbf_mutex_unlock(&pool.lock);
   pbf_fp_end(before);
 }
 
-/* What is late finds no place: there is nothing left to do. */
-static void close_task(region *r) {
-  pbf_mutex_lock(&pool.lock);
-  r->come = r->threads;
-  pbf_mutex_unlock(&pool.lock);
-}
-
-/* Items need the lock. */
-static int can_be_had(void) {
-  const int came = take_lock_soon();
-  if (came) pbf_mutex_unlock(&pool.lock);
-  return came;
-}
-
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
-  void *handle = tasks->enqueue(tasks->user, run_item, r, r->threads - 1, 1);
+  void *handle = tasks->enqueue(tasks->user, run_item, (void *)r->number, r->threads - 1, 1);
   (void)pbf_fp_begin();
   team_thread self = {.api = &cpu_team, .team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
   close_task(r);
   if (handle) tasks->finish(tasks->user, handle);
   (void)pbf_fp_begin();
+  wait_until_empty(r);
 }
 
 /* ---- A run --------------------------------------------------------------------------------- */
@@ -332,7 +345,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
   const double begin = pbf_seconds();
   see_process();
-  if (threads > 1 && tasks->enqueue && can_be_had()) {
+  if (threads > 1 && tasks->enqueue && open_task(&r)) {
     run_as_task(tasks, &r);
   } else if (threads > 1 && !tasks->enqueue && open_region(&r, begin) > 1) {
     run_many(&r, begin);

@@ -58,8 +58,10 @@ typedef struct pbf_allocator {
  * The calling thread works, too, and no item waits for one that has not begun: what others have not
  * begun, it does itself. So nothing hangs where all workers are busy, or the caller is the only
  * one. An item that has begun may be waited for, and must not be suspended (by a fiber) for other
- * work: it calls nothing of the caller's. Neither function may call into the same solver. Bits do
- * not depend on which thread runs what, nor on its floating-point environment. */
+ * work: it calls nothing of the caller's. One that runs after its task's end does nothing, and
+ * where `finish_task` returns too soon, the call into pbf waits for those that have begun. Neither
+ * function may call into the same solver. Bits do not depend on which thread runs what, nor on its
+ * floating-point environment. */
 typedef void (*pbf_task_fn)(void *task, uint32_t first, uint32_t last);
 typedef void *(*pbf_enqueue_task_fn)(void *user, pbf_task_fn run, void *task, uint32_t items,
                                      uint32_t min_range);

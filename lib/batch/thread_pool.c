@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "lock.h"
 #include "memory.h"
+#include "os.h"
 
 /* What a call into a solver needs, many times over. */
 enum { STACK_BYTES = 1 << 20 };
@@ -16,7 +18,12 @@ struct pbf_thread_pool_job {
   uint32_t items;
   _Atomic uint32_t next; /* first item that no thread has taken */
   uint32_t places;       /* for threads of the pool that may still join */
-  uint32_t inside;       /* threads of the pool that work on it */
+  uint32_t inside;       /* threads beside the caller's that work on it */
+
+  /* As a task of a task system's. */
+  pbf_thread_pool_job *next_task;
+  uintptr_t number; /* which the task system has for its address */
+  uint32_t process;
 };
 
 uint32_t pbf_thread_pool_size(uint32_t wanted, uint32_t items) {
@@ -115,17 +122,71 @@ static void run_in_threads(pbf_thread_pool *pool, const pbf_allocator *allocator
 
 /* ---- A task system of the caller's ---------------------------------------------------------- */
 
-static void run_task(void *task, uint32_t first, uint32_t last) {
-  (void)first, (void)last; /* which thread it is does not matter */
-  work_on(task);
+/* A task system knows a job by a number, not by its address: an item that runs after its task has
+ * ended, as of a system that does not wait for all, finds no job of that number. Both are changed
+ * under the lock of tasks. */
+static pbf_thread_pool_job *tasks;
+static uintptr_t tasks_so_far;
+
+static void open_task(pbf_thread_pool_job *job) {
+  pbf_lock_take(PBF_LOCK_TASKS);
+  job->process = pbf_process();
+  job->number = ++tasks_so_far;
+  job->next_task = tasks;
+  tasks = job;
+  pbf_lock_release(PBF_LOCK_TASKS);
 }
 
-/* A thread that comes late finds no item left. */
+static pbf_thread_pool_job *enter_task(uintptr_t number) {
+  pbf_lock_take(PBF_LOCK_TASKS);
+  pbf_thread_pool_job *job = tasks;
+  while (job && job->number != number) job = job->next_task;
+  if (job) ++job->inside;
+  pbf_lock_release(PBF_LOCK_TASKS);
+  return job;
+}
+
+static void leave_task(pbf_thread_pool_job *job) {
+  pbf_lock_take(PBF_LOCK_TASKS);
+  --job->inside;
+  pbf_lock_release(PBF_LOCK_TASKS);
+}
+
+static int others_are_inside(const pbf_thread_pool_job *job) {
+  pbf_lock_take(PBF_LOCK_TASKS);
+  const int are = job->inside > 0;
+  pbf_lock_release(PBF_LOCK_TASKS);
+  return are;
+}
+
+/* A system that has waited for all items leaves nothing to wait for here. Where a callback has
+ * forked, the child has none of the threads. */
+static void close_task(pbf_thread_pool_job *job) {
+  enum { PAUSE = 50 /* microseconds */ };
+  pbf_lock_take(PBF_LOCK_TASKS);
+  pbf_thread_pool_job **link = &tasks;
+  while (*link != job) link = &(*link)->next_task;
+  *link = job->next_task;
+  pbf_lock_release(PBF_LOCK_TASKS);
+  while (job->process == pbf_process() && others_are_inside(job)) pbf_os_sleep(PAUSE);
+}
+
+/* Which item it is, and so which thread runs it, does not matter. */
+static void run_item(void *number, uint32_t first, uint32_t last) {
+  (void)first, (void)last;
+  pbf_thread_pool_job *job = enter_task((uintptr_t)number);
+  if (!job) return;
+  work_on(job);
+  leave_task(job);
+}
+
 static void run_as_task(const pbf_thread_pool *pool, pbf_thread_pool_job *job) {
   const pbf_fp_environment ours = pbf_fp_now();
-  void *handle = pool->enqueue_task(pool->task_user, run_task, job, job->places, 1);
+  open_task(job);
+  void *handle = pool->enqueue_task(pool->task_user, run_item, (void *)job->number, job->places, 1);
   work_on(job);
   if (handle) pool->finish_task(pool->task_user, handle);
+  close_task(job);
   pbf_fp_end(ours); /* a caller's function may have left another one */
 }
 
