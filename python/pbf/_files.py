@@ -6,6 +6,7 @@ import itertools
 import os
 import pathlib
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -69,11 +70,27 @@ def _take_its_place(fresh: pathlib.Path, target: pathlib.Path) -> None:
 
 
 @contextmanager
-def written(path: str | os.PathLike[str]) -> Iterator[pathlib.Path]:
+def _elsewhere(path: str | os.PathLike[str]) -> Iterator[pathlib.Path]:
+    """A file of its own, for writers that replace what has the name, or go back in it; copied in the end."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = pathlib.Path(folder) / pathlib.Path(path).name
+        yield place
+        with open(place, "rb") as whole, open(path, "wb") as file:
+            shutil.copyfileobj(whole, file)
+
+
+@contextmanager
+def written(path: str | os.PathLike[str], by_name: bool = False) -> Iterator[pathlib.Path]:
     """Where to write: beside the file that is there, and in its place once it is whole. Where it can't
-    be written, as on a full disk, the old one stays."""
+    be written, as on a full disk, the old one stays. `by_name`: by what takes a name alone, of a file."""
     target = pathlib.Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     fresh = None if _in_place(os.fspath(path)) else _beside(target)
+    if fresh is None and by_name:
+        with _elsewhere(path) as place:
+            yield place
+        return
     if fresh is None:
         yield pathlib.Path(path)
         return

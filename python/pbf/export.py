@@ -4,17 +4,22 @@ from __future__ import annotations
 import importlib
 import os
 import pathlib
+import re
+import subprocess
+import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Union
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _files
-from ._errors import InvalidArgumentError, MissingExtraError, StateError
-from ._numbers import real
+from ._arrays import numpy_of
+from ._errors import InvalidArgumentError, MissingExtraError, StateError, one_line
+from ._numbers import real, shown
 
 if TYPE_CHECKING:
     from .solver import Solver
@@ -71,6 +76,35 @@ def _need_open(path: pathlib.Path, points: Any) -> None:
         raise StateError(f"{path.name} is closed, and takes no more frames")
 
 
+class _Columns(NamedTuple):
+    """What a format takes as further columns."""
+
+    names: str  # a regular expression …
+    named: str  # … in words
+    taken: tuple[str, ...]
+    types: tuple[str, ...]
+    widest: int  # numbers a particle
+
+    def of(self, given: dict[str, Any], count: int) -> dict[str, NDArray[Any]]:
+        """In the machine's own byte order."""
+        return {name: self._column(name, column, count) for name, column in given.items()}
+
+    def _column(self, name: str, column: Any, count: int) -> NDArray[Any]:
+        if name in self.taken or not name.isprintable() or not re.fullmatch(self.names, name):
+            raise InvalidArgumentError(
+                f"a column can't be called {shown(name)}; a name is of {self.named}, and none of "
+                f"{', '.join(self.taken)}")
+        values = numpy_of(name, column)
+        width = values.shape[1] if values.ndim == 2 else 1
+        if (values.ndim not in (1, 2)[:self.widest] or len(values) != count or not 1 <= width <= self.widest
+                or values.dtype.str[1:] not in self.types):
+            numbers = "one number" if self.widest == 1 else f"1 to {self.widest} numbers"
+            raise InvalidArgumentError(
+                f"{name} has shape {values.shape} of {values.dtype}; it must have {numbers} for each of the "
+                f"{count} particles, of {', '.join(np.dtype(kind).name for kind in self.types)}")
+        return values.astype(values.dtype.newbyteorder("="), copy=False)
+
+
 def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
     """Three numbers each, in 2D, too."""
     if vectors.shape[1] == 3:
@@ -81,6 +115,11 @@ def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
 
 
 # ---- PLY -----------------------------------------------------------------------------------------
+
+
+_PLY_COLUMNS = _Columns(
+    names="[!-~]+", named="ASCII's letters, digits and signs", taken=("x", "y", "z", "vx", "vy", "vz", "id"),
+    types=tuple(_TYPES), widest=1)
 
 
 def _record(columns: list[tuple[str, NDArray[Any]]], count: int) -> NDArray[Any]:
@@ -115,17 +154,16 @@ def write_ply(path: PathLike, fluid: Particles, **columns: NDArray[Any]) -> None
     number a particle, by name."""
     table = [*_axes(fluid.positions, "x y z"), *_axes(fluid.velocities, "vx vy vz"),
              ("id", fluid.ids)]
-    for name, column in columns.items():
-        values = np.asarray(column)
-        if values.shape != (fluid.count,) or values.dtype.str[1:] not in _TYPES:
-            raise InvalidArgumentError(
-                f"{name} has shape {values.shape} of {values.dtype}; it must have one number of 32 "
-                f"or 64 bits for each of the {fluid.count} particles")
-        table.append((name, values))
+    table += _PLY_COLUMNS.of(columns, fluid.count).items()
     _files.replace(path, _ply(table, fluid.count))
 
 
 # ---- ParaView ------------------------------------------------------------------------------------
+
+
+_VTK_COLUMNS = _Columns(
+    names='[^"&<>]+', named='what can be printed, without ", &, < and >', taken=("velocity", "id"),
+    types=("f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8"), widest=9)
 
 
 class VtkSeries:
@@ -147,13 +185,14 @@ class VtkSeries:
     def add(self, fluid: Particles, **columns: NDArray[Any]) -> pathlib.Path:
         """The present state as the next frame; further columns by name. Gives the file's path."""
         count = fluid.count
+        further = _VTK_COLUMNS.of(columns, count)
         densities = getattr(fluid, "densities", None)
         if densities is not None:
-            columns.setdefault("density", densities)
+            further.setdefault("density", densities)
         mesh = self._meshio.Mesh(
             _in_space(fluid.positions), [("vertex", np.arange(count).reshape(-1, 1))],
             point_data={"velocity": _in_space(fluid.velocities), "id": fluid.ids.astype(np.int64),
-                        **columns})
+                        **further})
         file = self.path.with_name(f"{self.path.stem}_{len(self._frames):04d}.vtu")
         file.parent.mkdir(parents=True, exist_ok=True)
         with _files.written(file) as place:
@@ -181,6 +220,12 @@ class VtkSeries:
 # ---- USD -----------------------------------------------------------------------------------------
 
 
+def _need_prim(path: Any, prim: Any) -> None:
+    if isinstance(prim, str) and prim[:1] == "/" and path.IsValidPathString(prim) and path(prim).IsPrimPath():
+        return
+    raise InvalidArgumentError(f'prim is {shown(prim)}; it must be an absolute path of names, as "/fluid"')
+
+
 class UsdPoints:
     """Particles as points of USD, a time sample each frame: .usdc, .usda or .usd.
 
@@ -193,9 +238,11 @@ class UsdPoints:
         what = "a USD file"
         usd, geometry = _need("pxr.Usd", "usd-core", what), _need("pxr.UsdGeom", "usd-core", what)
         self._vt = _need("pxr.Vt", "usd-core", what)
+        self._error = _need("pxr.Tf", "usd-core", what).ErrorException
         self.path = pathlib.Path(path)
         if self.path.suffix not in (".usd", ".usda", ".usdc"):
             raise InvalidArgumentError(f'{self.path.name} must end in ".usd", ".usda" or ".usdc"')
+        _need_prim(_need("pxr.Sdf", "usd-core", what).Path, prim)
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._frame = 0
         self._stage = usd.Stage.CreateInMemory()
@@ -224,12 +271,22 @@ class UsdPoints:
         self._frame += 1
 
     def close(self) -> None:
-        """Writes the file."""
-        if self._stage is not None:
-            self._stage.SetStartTimeCode(0)
-            self._stage.SetEndTimeCode(max(0, self._frame - 1))
-            self._stage.GetRootLayer().Export(str(self.path))
-            self._stage = self._points = None
+        """Writes the file. Where that fails, the old one stays, and it may be tried again."""
+        if self._stage is None:
+            return
+        self._stage.SetStartTimeCode(0)
+        self._stage.SetEndTimeCode(max(0, self._frame - 1))
+        with _files.written(self.path, by_name=True) as place:
+            self._export(place)
+        self._stage = self._points = None
+
+    def _export(self, place: pathlib.Path) -> None:
+        try:
+            done, why = self._stage.GetRootLayer().Export(str(place)), ""
+        except self._error as error:
+            done, why = False, ": " + str(error).strip().partition("\n")[0].rpartition(" : ")[2]
+        if not done:
+            raise OSError(one_line(f"{self.path} can't be written{why}"))
 
     def __enter__(self) -> UsdPoints:
         return self
@@ -242,6 +299,12 @@ class UsdPoints:
 # ---- Alembic -------------------------------------------------------------------------------------
 
 
+def _start_writer(place: pathlib.Path, interval: float, name: str) -> subprocess.Popen[bytes]:
+    program = pathlib.Path(__file__).with_name("_alembic_writer.py")
+    command = [sys.executable, "-I", str(program), os.pathsep.join(sys.path), str(place), repr(interval), name]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
 class AlembicPoints:
     """Particles as points of Alembic, a sample each frame: .abc.
 
@@ -251,39 +314,62 @@ class AlembicPoints:
     """
 
     def __init__(self, path: PathLike, fps: float = 24.0, name: str = "fluid") -> None:
-        def need(module: str) -> Any:
-            return _need(module, "alembic3d", "an Alembic file")
-
+        for module in ("alembic3d.AbcGeom", "alembic3d.AbcCoreAbstract", "alembic3d.Abc", "imath"):
+            _need(module, "alembic3d", "an Alembic file")
         self.path = pathlib.Path(path)
         if self.path.suffix != ".abc":
             raise InvalidArgumentError(f'{self.path.name} must end in ".abc"')
-        rate = _frames_a_second(fps)
-        self._geometry, self._arrays = need("alembic3d.AbcGeom"), need("imath")
-        sampling = need("alembic3d.AbcCoreAbstract").TimeSampling(1 / rate, 0.0)
+        if not isinstance(name, str) or not name or not name.isprintable() or "/" in name:
+            raise InvalidArgumentError(f'name is {shown(name)}; it must be a name without "/", as "fluid"')
+        interval = 1 / _frames_a_second(fps)
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self._archive = need("alembic3d.Abc").OArchive(str(self.path))
-        self._points = self._geometry.OPoints(self._archive.getTop(), name)
-        self._points.getSchema().setTimeSampling(self._archive.addTimeSampling(sampling))
+        with ExitStack() as file:
+            place = file.enter_context(_files.written(self.path, by_name=True))
+            self._writer: Any = _start_writer(place, interval, name)
+            self._await_line()
+            self._file = file.pop_all()
+
+    def _await_line(self) -> None:
+        """Which the writer gives when it has done what it was told."""
+        if not self._writer.stdout.readline():
+            self._end(self._writer)
+
+    def _end(self, writer: Any) -> None:
+        words = writer.communicate()[1].decode("utf-8", "replace").splitlines()
+        if writer.returncode:
+            why = next((line.strip() for line in reversed(words) if line.strip()), f"exit {writer.returncode}")
+            raise OSError(one_line(f"{self.path} can't be written: {why}"))
+
+    def _send(self, frame: list[NDArray[Any]]) -> None:
+        try:
+            for part in frame:
+                self._writer.stdin.write(part.tobytes())
+            self._writer.stdin.flush()
+        except BrokenPipeError:
+            pass  # then there is no line
+        self._await_line()
 
     def add(self, fluid: Particles) -> None:
-        """The present state as the next frame."""
-        _need_open(self.path, self._points)
-
-        def vectors(values: NDArray[Any]) -> Any:
-            return self._arrays.V3fArrayFromBuffer(
-                np.ascontiguousarray(_in_space(values), np.float32))
-
-        widths = self._geometry.OFloatGeomParamSample(
-            self._arrays.FloatArrayFromBuffer(np.full(fluid.count, fluid.rest_distance, np.float32)),
-            self._geometry.GeometryScope.kVertexScope)
-        self._points.getSchema().set(self._geometry.OPointsSchemaSample(
-            vectors(fluid.positions),
-            self._arrays.IntArrayFromBuffer(fluid.ids.astype(np.int32)),
-            vectors(fluid.velocities), widths))
+        """The present state as the next frame. Where that fails, the old file stays."""
+        _need_open(self.path, self._writer)
+        frame = [np.array([fluid.count], "<i8"), np.array([fluid.rest_distance], "<f4"),
+                 _in_space(fluid.positions).astype("<f4"), _in_space(fluid.velocities).astype("<f4"),
+                 fluid.ids.astype("<i4")]
+        try:
+            self._send(frame)
+        except BaseException as error:  # an interrupt leaves half a frame
+            writer, self._writer = self._writer, None
+            writer.kill()
+            writer.communicate()
+            self._file.__exit__(type(error), error, None)
+            raise
 
     def close(self) -> None:
-        """Writes what is left, and closes the file: when nothing refers to it."""
-        self._points = self._archive = None
+        """Writes what is left, and puts the file in its place."""
+        writer, self._writer = self._writer, None
+        if writer:
+            with self._file:
+                self._end(writer)
 
     def __enter__(self) -> AlembicPoints:
         return self

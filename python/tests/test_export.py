@@ -1,10 +1,14 @@
 """Files for other programs, read back by kept libraries where they are installed."""
+import os
+import threading
 import xml.etree.ElementTree as xml
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 import pbf
+from pbf import _files
 
 
 def test_ply(dam, tmp_path):
@@ -80,6 +84,92 @@ def test_alembic(dam, tmp_path):
     for name, fps in (("dam.usd", 24), ("dam.abc", 0), ("dam.abc", np.inf)):
         with pytest.raises(pbf.InvalidArgumentError, match="abc|fps"):
             pbf.AlembicPoints(tmp_path / name, fps)
+
+
+@contextmanager
+def files_end_after(bytes_most):
+    """As on a full disk, in processes of this one's, too."""
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_most, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def test_columns_are_what_the_format_takes(dam, tmp_path):
+    file = tmp_path / "dam.ply"
+    count = dam.count
+    for name in ("x", "vx", "", "a b", "a\nproperty float b", "\u00e9"):
+        with pytest.raises(pbf.InvalidArgumentError, match="a column can't be called"):
+            pbf.write_ply(file, dam, **{name: np.zeros(count, np.float32)})
+    masked = np.ma.masked_all(count, np.float32)
+    for wrong in (np.zeros(count, np.int64), np.zeros(count, bool), np.zeros((count, 1)), "abc", None, 3.0, masked):
+        with pytest.raises(pbf.InvalidArgumentError, match="mass"):
+            pbf.write_ply(file, dam, mass=wrong)
+    assert not file.exists()
+    pbf.write_ply(file, dam, mass=np.arange(count, dtype=">f8"))
+    assert file.read_bytes().endswith(np.float64(count - 1).tobytes())
+
+
+def test_columns_of_a_series_are_what_paraview_reads(dam, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    series, count = pbf.VtkSeries(tmp_path / "dam.pvd"), dam.count
+    for name in ("velocity", "id", "", 'a"b', "a<b", "a\nb"):
+        with pytest.raises(pbf.InvalidArgumentError, match="a column can't be called"):
+            series.add(dam, **{name: np.zeros(count)})
+    for wrong in (np.zeros(3), np.zeros(count, bool), np.zeros((count, 2, 2)), np.zeros(count, complex), "abc", None):
+        with pytest.raises(pbf.InvalidArgumentError, match="mass"):
+            series.add(dam, mass=wrong)
+    assert os.listdir(tmp_path) == []
+    read = meshio.read(series.add(dam, **{"a b": np.arange(count, dtype=">f4"), "n": np.ones((count, 2), np.uint8)}))
+    assert (read.point_data["a b"] == np.arange(count)).all() and (read.point_data["n"] == 1).all()
+
+
+@pytest.mark.parametrize("kind, name, module", [
+    (pbf.UsdPoints, "dam.usda", "pxr.Usd"), (pbf.UsdPoints, "dam.usdc", "pxr.Usd"),
+    (pbf.AlembicPoints, "dam.abc", "alembic3d.Abc")])
+def test_an_old_file_stays_where_a_new_one_finds_no_room(dam, tmp_path, kind, name, module):
+    pytest.importorskip(module)
+    path = tmp_path / name
+    path.write_bytes(b"old")
+    with files_end_after(20000):
+        with pytest.raises(OSError, match=f"{name} can't be written: "):
+            with kind(path) as file:
+                for _ in dam.frames(3, steps=1):
+                    file.add(dam)
+    assert path.read_bytes() == b"old" and os.listdir(tmp_path) == [name]
+    with kind(path) as file:
+        file.add(dam)
+    assert path.stat().st_size > 20000 and os.listdir(tmp_path) == [name]
+
+
+def test_names_in_files_are_names(tmp_path):
+    for prim in ("fluid", "/", "", "/a b", "//", "/a/../b", None, 3):
+        pytest.importorskip("pxr.Usd")
+        with pytest.raises(pbf.InvalidArgumentError, match="prim"):
+            pbf.UsdPoints(tmp_path / "dam.usda", prim=prim)
+    for name in ("", "a/b", "a\0b", None, 3):
+        pytest.importorskip("alembic3d.Abc")
+        with pytest.raises(pbf.InvalidArgumentError, match="name"):
+            pbf.AlembicPoints(tmp_path / "dam.abc", name=name)
+
+
+def test_a_pipe_gets_what_writers_make_of_a_name(tmp_path):
+    """Some put another file in its place, or go back in it."""
+    pipe, found = tmp_path / "pipe.usda", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: found.append(pipe.read_bytes()))
+    reader.start()
+    with _files.written(pipe, by_name=True) as place:
+        assert place != pipe
+        place.write_bytes(b"whole")
+    reader.join()
+    assert found == [b"whole"] and pipe.is_fifo()
+    with pytest.raises(IsADirectoryError):
+        with _files.written(tmp_path, by_name=True):
+            pytest.fail("a folder is no file")
 
 
 @pytest.mark.parametrize("kind, name, module", [
