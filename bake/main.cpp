@@ -18,6 +18,7 @@
 #include "core/content.h"
 #include "core/error.h"
 #include "core/failure_message.h"
+#include "core/number_option.h"
 #include "core/output_file.h"
 #include "core/standard_streams.h"
 #include "mesh_file.h"
@@ -165,13 +166,6 @@ void bake_file(const Options &options) {
 
 // ---- The command line -----------------------------------------------------------------------------
 
-std::string above_zero(const std::string &text) {
-  char *end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  if (end != text.c_str() && *end == 0 && number > 0 && number < 1e30) return {};
-  return text + " is not a number above 0";
-}
-
 void add_options(CLI::App &app, Options &options) {
   auto *mesh = app.add_option("mesh", options.mesh, "OBJ, STL, PLY, glTF, or what else Assimp reads");
   auto *out = app.add_option("out", options.out, "the file that is written");
@@ -184,17 +178,17 @@ void add_options(CLI::App &app, Options &options) {
   cells->add_option("--spacing", options.spacing, "of the fluid's particles: cells of half of it");
   cells->add_option("--cells", options.cells, "so many along the longest side");
   for (CLI::Option *option : cells->get_options())
-    option->type_name("N")->check(above_zero);
+    option->type_name("N")->check(bench::above_zero());
   cells->require_option(0, 1);
   app.add_option("--scale", options.scale, "0.01 for centimetres in a scene of metres")
       ->type_name("S")
-      ->check(above_zero)
+      ->check(bench::above_zero())
       ->capture_default_str();
   auto *thickness =
       app.add_option("--thickness", options.thickness,
                      "a shell along the mesh, which may be open; in lengths of the scene")
           ->type_name("T")
-          ->check(above_zero);
+          ->check(bench::above_zero());
   app.add_flag("--hull", options.hull, "the convex hull of its vertices")->excludes(thickness);
   app.add_flag("--z-up", options.z_up, "turns what has z upwards, so that y is");
   app.add_flag("--centre", options.centred, "puts the middle of its box to the origin");

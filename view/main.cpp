@@ -6,6 +6,7 @@
 #include "commands/options.h"
 #include "core/error.h"
 #include "core/failure_message.h"
+#include "core/number_option.h"
 #include "core/standard_streams.h"
 #include "headless.h"
 #include "window.h"
@@ -43,7 +44,7 @@ void add_options(CLI::App &app, Options &options) {
       ->transform(CLI::CheckedTransformer(colorings).description(""));
   app.add_option("--top", options.top, "the number of the last colour (0: of nearly all particles)")
       ->type_name("X")
-      ->check(CLI::NonNegativeNumber);
+      ->check(bench::at_least_zero());
   app.add_option("--width", options.width, "pixels")
       ->check(CLI::Range(16, 8192))
       ->type_name("N")

@@ -1,5 +1,7 @@
 #include "commands/options.h"
 
+#include "core/number_option.h"
+
 namespace bench {
 
 CLI::Validator positive() {
@@ -26,7 +28,7 @@ void add_scene_options(CLI::App &command, SceneOptions &options) {
                   "so many times as fine, 0.01 … 100: spacing, h and time step shrink, steps make "
                   "up for it")
       ->type_name("F")
-      ->check(CLI::Range(0.01, 100.0).description(""))
+      ->check(times_as_fine())
       ->excludes("--particles");
   command.add_option("--steps", options.steps, "in place of the scene's number of steps")
       ->type_name("N")

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/interrupt.h"
 #include "core/machine.h"
+#include "core/number_option.h"
 #include "core/scratch.h"
 #include "pareto/runner.h"
 #include "pareto/words.h"
@@ -147,7 +148,7 @@ int run_pareto(ParetoOptions options, const CLI::App &command) {
 void add_measuring_options(CLI::App &command, ParetoOptions &options) {
   command.add_option("--duration", options.plan.duration, "simulated time, in place of --steps")
       ->type_name("T")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(above_zero())
       ->excludes("--steps");
   command.add_option("--frames", options.plan.frames, "judged, beside the start")
       ->type_name("N")
@@ -160,7 +161,7 @@ void add_measuring_options(CLI::App &command, ParetoOptions &options) {
   command
       .add_option("--patience", options.runner.patience, "seconds after which a run is given up")
       ->type_name("S")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(above_zero())
       ->capture_default_str();
   command.add_flag("--cpu-time", options.plan.cpu_time,
                    "count processor time, of all threads: for one thread on a shared machine");

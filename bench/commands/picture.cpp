@@ -6,6 +6,7 @@
 #include "commands/options.h"
 #include "core/content.h"
 #include "core/error.h"
+#include "core/number_option.h"
 #include "core/output_file.h"
 #include "report/portrait.h"
 
@@ -51,7 +52,7 @@ void add_portrait_options(CLI::App &command, Portrait &portrait) {
       .add_option("--fastest", portrait.fastest,
                   "the speed of the last colour (0: that of the fastest particles)")
       ->type_name("V")
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
   command
       .add_option("--view", portrait.view,

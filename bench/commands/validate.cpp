@@ -5,6 +5,7 @@
 #include "commands/commands.h"
 #include "commands/options.h"
 #include "core/error.h"
+#include "core/number_option.h"
 #include "core/output_file.h"
 #include "physics/run.h"
 
@@ -109,7 +110,7 @@ std::pair<CLI::App *, Command> add_validate(CLI::App &app) {
   add_device_option(*command, physics.solver.device);
   command->add_option("--finer", physics.finer, "so many times as fine, where the scene may be")
       ->type_name("F")
-      ->check(CLI::Range(0.01, 100.0).description(""));
+      ->check(times_as_fine());
   command
       ->add_option("--set", physics.settings, "in place of the scenes' parameter, for experiments")
       ->type_name("KEY=VALUE")

@@ -6,7 +6,7 @@
 
 void check(pbf_status status) {
   if (status == PBF_OK) return;
-  fprintf(stderr, "%s\n", pbf_last_error());
+  fprintf(stderr, "pbf-forces: %s\n", pbf_last_error());
   exit(1);
 }
 
@@ -21,17 +21,28 @@ pbf_params params_of(double spacing, const double domain[3], double fastest) {
   return params;
 }
 
-static uint32_t places(double size, double spacing) {
-  return size > 0 ? (uint32_t)lround(size / spacing) : 1;
+static void fail(const char *what, double spacing) {
+  fprintf(stderr, "pbf-forces: a spacing of %g %s\n", spacing, what);
+  exit(1);
+}
+
+/* How many particles stand along each axis; returns how many there are in all. */
+static uint32_t count_places(const double size[3], double spacing, uint32_t n[3]) {
+  double all = 1, along[3];
+  for (int k = 0; k < 3; ++k) all *= along[k] = size[k] > 0 ? round(size[k] / spacing) : 1;
+  if (all < 1) fail("is too wide for this case", spacing);
+  if (!(all <= PBF_MAX_CAPACITY)) fail("makes more particles than a solver holds", spacing);
+  for (int k = 0; k < 3; ++k) n[k] = (uint32_t)along[k];
+  return (uint32_t)all;
 }
 
 pbf_solver *water_of(const pbf_params *params, const double size[3],
                      int (*is_water)(const double x[3], const void *context), const void *context) {
   const uint32_t dimension = size[2] > 0 ? 3 : 2;
-  uint32_t n[3], all = 1, count = 0;
-  for (int k = 0; k < 3; ++k) all *= n[k] = places(size[k], params->spacing);
+  uint32_t n[3], count = 0;
+  const uint32_t all = count_places(size, params->spacing, n);
   float *x = malloc((size_t)all * dimension * sizeof *x);
-  if (!x) exit(1);
+  if (!x) fail("makes more particles than there is memory for", params->spacing);
   for (uint32_t i = 0; i < all; ++i) {
     const uint32_t at[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
     double place[3] = {0, 0, 0};

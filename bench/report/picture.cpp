@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "core/error.h"
 #include "report/canvas.h"
 #include "report/png.h"
 #include "report/solids.h"
@@ -74,6 +76,8 @@ Color faded(const Color &color, double nearness) {
   return out;
 }
 
+constexpr int max_pixels = 8192 * 8192;
+
 class Painter {
  public:
   Painter(unsigned dimension, const View &view)
@@ -83,8 +87,12 @@ class Painter {
     scale_ = view.width / (extent_.high[0] - extent_.low[0] + 2 * margin);
     left_ = extent_.low[0] - margin;
     top_ = extent_.high[1] + margin;
-    height_ = std::max(
-        1, static_cast<int>(std::ceil(scale_ * (extent_.high[1] - extent_.low[1] + 2 * margin))));
+    const double height = std::ceil(scale_ * (extent_.high[1] - extent_.low[1] + 2 * margin));
+    if (!(view.width * height <= max_pixels))
+      throw Error(exit_usage, "a picture of this part would have more than " +
+                                  std::to_string(max_pixels) +
+                                  " pixels; --view shows another one, --width makes it smaller");
+    height_ = std::max(1, static_cast<int>(height));
   }
 
   int height() const { return height_; }

@@ -45,6 +45,21 @@ std::vector<Vector> diffuse_of(pbf_solver *solver) {
   return all;
 }
 
+// Lower corner, upper corner.
+void show(const std::vector<double> &part, unsigned dimension, View &view) {
+  if (part.size() != 2 * dimension)
+    throw Error(exit_usage, "--view has " + std::to_string(part.size()) + " numbers; it takes " +
+                                std::to_string(2 * dimension) + " in " + std::to_string(dimension) +
+                                "D");
+  for (unsigned k = 0; k < dimension; ++k) {
+    view.lower[k] = part[k];
+    view.upper[k] = part[dimension + k];
+    if (!(view.lower[k] < view.upper[k]) || !std::isfinite(view.upper[k] - view.lower[k]))
+      throw Error(exit_usage, std::string("--view: along ") + "xyz"[k] +
+                                  " the lower corner is not below the upper one");
+  }
+}
+
 double fast(std::vector<double> speeds) {
   if (speeds.empty()) return 1;
   const auto at =
@@ -105,10 +120,7 @@ std::string draw_solver(pbf_solver *solver, const Portrait &portrait) {
   const Box domain = domain_at(params, info.dimension, info.time);
   view.lower = domain.lower;
   view.upper = domain.upper;
-  if (portrait.view.size() == 2 * info.dimension) {
-    std::copy_n(portrait.view.begin(), info.dimension, view.lower.begin());
-    std::copy_n(portrait.view.begin() + info.dimension, info.dimension, view.upper.begin());
-  }
+  if (!portrait.view.empty()) show(portrait.view, info.dimension, view);
   return draw_png(frame, view);
 }
 

@@ -33,6 +33,10 @@ void wrong_command_lines_exit_with_2(void **) {
       {"stability --set gravitty=1", "did you mean gravity?"},
       {"stability --set damping_compensation", "no \"=\""},
       {"speedup --threads 0", "\"0\" is not a whole number"},
+      {"run --scene dam-break-2d --backend reference --finer nan", "nan is not a number of 0.01"},
+      {"run --scene dam-break-2d --backend reference --fastest nan", "nan is not a number of at"},
+      {"run --scene dam-break-2d --backend reference --fastest inf", "inf is not a number of at"},
+      {"pareto --patience nan", "nan is not a number above 0"},
       {"speedup --backends serial,serial", "stands twice"},
   };
   for (const auto &[arguments, words] : wrong) {
@@ -82,6 +86,25 @@ void pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for(void **
   const Outcome wrong = run_program(folder, "picture no.state");
   assert_int_equal(wrong.exit_code, 1);
   expect_contains(wrong.err, "saved state");
+}
+
+void pictures_of_no_part_are_refused(void **) {
+  const std::string folder = work_folder("views");
+  skip_unless_available(folder, "reference");
+  const std::string run = std::string("run --backend reference --steps 1 ") + small;
+  const char *const wrong[][2] = {
+      {"nan 0 1 1", "along x the lower corner is not below"},
+      {"0 0 1 inf", "along y the lower corner is not below"},
+      {"0 1 1 0", "along y the lower corner is not below"},
+      {"0 0 0 1 1 1", "6 numbers; it takes 4 in 2D"},
+      {"0 0 0.000001 100000", "more than 67108864 pixels"},
+      {"-1e300 -1e300 1e300 1.7e308", "more than 67108864 pixels"},
+  };
+  for (const auto &[view, words] : wrong) {
+    const Outcome outcome = run_program(folder, run + "--pictures drawn --view " + view);
+    expect_contains(outcome.err, words);
+    assert_int_equal(outcome.exit_code, 2);
+  }
 }
 
 void a_recording_runs_again_and_says_where_another_run_parts(void **) {
@@ -454,6 +477,7 @@ int main() {
       cmocka_unit_test(a_full_disk_leaves_whole_rows),
       cmocka_unit_test(a_file_is_replaced_where_it_is),
       cmocka_unit_test(pictures_are_drawn_at_the_steps_and_in_the_size_that_were_asked_for),
+      cmocka_unit_test(pictures_of_no_part_are_refused),
       cmocka_unit_test(a_recording_runs_again_and_says_where_another_run_parts),
       cmocka_unit_test(a_recording_with_bits_of_its_machine_has_them_again),
       cmocka_unit_test(a_recording_has_the_shapes_of_its_scene),
