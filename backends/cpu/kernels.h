@@ -244,10 +244,10 @@ typedef struct kernels {
   /* What passes/pressure_fit.h makes of numbers that the particles have. */
   void (*fit)(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, uint32_t first,
               uint32_t last);
-  /* The density that neighbours contribute, times their numbers: 1 where placed, else 0. */
-  void (*placed_density)(const pair_pass *p, const pbf_real *numbers, pbf_real *density,
-                         uint32_t first, uint32_t last);
-  /* Whether one of the places where a group's neighbours are looked for has a number above 0. */
+  /* The sums of passes/overlap.h, by the numbers that the particles have. */
+  void (*placed_density)(const pair_pass *p, const pbf_real *numbers, pbf_real *placed,
+                         pbf_real *stream, uint32_t first, uint32_t last);
+  /* Whether one of the places where a group's neighbours are looked for has a number but 0. */
   int (*any_number_around)(const pair_pass *p, const pbf_real *numbers, uint32_t group);
   void (*residual_density)(const pbf_constants *constants, pbf_real *density, uint32_t first,
                            uint32_t last);

@@ -222,16 +222,14 @@ static void density(const pair_pass *p, pbf_real *densities, uint32_t *neighbors
   }
 }
 
-static __attribute__((noinline)) mobility_pass<int>::sums<lane> sums_of_numbers(
-    const pair_pass *p, const pbf_real *numbers, uint32_t g) {
-  const mobility_pass<int> pass = {p->constants, hot_features(p) & PBF_FEATURE_POLY6};
-  return sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
-}
-
-static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real *densities,
-                           uint32_t first, uint32_t last) {
-  for (uint32_t g = first; g < last; ++g)
-    lane_store(densities + g * WIDTH, sums_of_numbers(p, numbers, g).density);
+static void placed_density(const pair_pass *p, const pbf_real *numbers, pbf_real *placed,
+                           pbf_real *stream, uint32_t first, uint32_t last) {
+  const placed_density_pass<int> pass = {p->constants, hot_features(p) & PBF_FEATURE_POLY6};
+  for (uint32_t g = first; g < last; ++g) {
+    const auto sums = sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
+    lane_store(placed + g * WIDTH, sums.density);
+    lane_store(stream + g * WIDTH, sums.stream);
+  }
 }
 
 /* What lies in the windows beside neighbours counts as well. */
@@ -240,8 +238,10 @@ static int any_number_around(const pair_pass *p, const pbf_real *numbers, uint32
   for (block_cursor w = group_blocks(&p->lists, g); w.left; skip_block(&w)) {
     const block *b = current_block(&w);
     for (uint32_t part = 0; part < b->parts; ++part)
-      for (uint32_t slot = 0; slot < SLOTS; slot += WIDTH)
-        if (lane_any_below(zero, lane_load(numbers + b->first[part] + slot))) return 1;
+      for (uint32_t slot = 0; slot < SLOTS; slot += WIDTH) {
+        const lane number = lane_load(numbers + b->first[part] + slot);
+        if (lane_any_below(zero, ops<lane>::max(number, zero - number))) return 1;
+      }
   }
   return 0;
 }

@@ -80,7 +80,8 @@ static void placed_task(void *context, uint32_t task) {
   s->kernels->backtrack(w->forces.time_step, w->b.sorted_predicted, w->b.sorted_velocity,
                         w->b.step_start(), r.first, r.last);
   for (uint32_t i = r.first; i < r.last; ++i)
-    placed[i] = pbf_placed_part(s->found, s->entering, w->b.sorted_ids[i], w->b.sorted_overlap[i]);
+    placed[i] =
+        pbf_placed_number(s->found, s->entering, w->b.sorted_ids[i], w->b.sorted_overlap[i]);
   fill_packed(s, packed_vectors(s), &w->b.step_start(), placed, r);
 }
 
@@ -94,18 +95,18 @@ static void find_overlap_of(const worker *w, range groups) {
   const solver *s = w->s;
   const field start = w->b.step_start();
   const range r = particles_of(w, groups);
-  pbf_real *density = s->added, *placed = w->b.placed_density();
+  pbf_real *density = s->added, *placed = w->b.placed_density(), *stream = w->b.stream_density();
   find_densities(w, groups, &w->before, start, packed_vectors(s), density);
   const pair_pass pairs = pairs_at(w, start, packed_vectors(s));
   for (range g = solving_groups(w, groups.first, groups.last); g.first < g.last;
        g = solving_groups(w, g.last, groups.last))
-    s->kernels->placed_density(&pairs, w->b.is_placed(), placed, g.first, g.last);
+    s->kernels->placed_density(&pairs, w->b.is_placed(), placed, stream, g.first, g.last);
   for (uint32_t i = r.first; i < r.last; ++i) {
     if (pairs.activity && pbf_is_inactive(pairs.activity[i])) continue;
     if (pairs.contributing) placed[i] += placed_density_of_solids(w, i, field_at(&start, i));
     w->b.sorted_overlap[i] =
         pbf_overlap_found(&w->constants, s->found, s->entering, w->b.sorted_ids[i], density[i],
-                          placed[i], w->b.sorted_overlap[i]);
+                          placed[i], stream[i], w->b.sorted_overlap[i]);
   }
 }
 
@@ -123,7 +124,7 @@ static bool only_particles_are_placed(const solver *s) {
 static bool placed_reach_group(const worker *w, const pair_pass *pairs, uint32_t g) {
   const range r = particles_of(w, {g, g + 1});
   for (uint32_t i = r.first; i < r.last; ++i)
-    if (w->b.is_placed()[i] > 0 || pbf_enters(w->s->entering, w->b.sorted_ids[i])) return true;
+    if (w->b.is_placed()[i] != 0) return true;
   return w->s->kernels->any_number_around(pairs, w->b.is_placed(), g);
 }
 

@@ -59,9 +59,10 @@ struct buffers {
   PBF_IN pbf_real *boundary_rest() const { return x.c[0]; }
   PBF_IN pbf_real *is_clear() const { return x.c[1]; }
 
-  /* Until then, of the overlap: what has been placed, and what it contributes. */
+  /* Until then, of the overlap: what has been placed, and what that and streams contribute. */
   PBF_IN pbf_real *is_placed() const { return x.c[0]; }
   PBF_IN pbf_real *placed_density() const { return x.c[1]; }
+  PBF_IN pbf_real *stream_density() const { return v.c[0]; }
 
   /* After an iteration or more: the old state gives way to the new one. */
   PBF_IN void accept_step() {

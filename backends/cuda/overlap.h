@@ -4,12 +4,12 @@
 
 #include "cuda/kernels.h"
 
-/* In place of lambda, before the solve, of what has been placed: this, and the part of it. */
-constexpr pbf_real PBF_PLACED_MARK = 2;
+/* In place of lambda, before the solve, of what has been placed: this, and its number, -2 … 1. */
+constexpr pbf_real PBF_PLACED_MARK = 4;
 
-static __device__ __forceinline__ pbf_real placed_part_of(const point &p) {
-  return p.lambda > PBF_PLACED_MARK && p.lambda <= PBF_PLACED_MARK + 1 ? p.lambda - PBF_PLACED_MARK
-                                                                       : 0;
+static __device__ __forceinline__ pbf_real placed_number_of(const point &p) {
+  const pbf_real number = p.lambda - PBF_PLACED_MARK;
+  return number >= -2 && number <= 1 ? number : 0;
 }
 
 /* Marks what `found` says has been placed, or enters; with nothing placed it takes the marks away.
@@ -18,8 +18,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     mark_placed_kernel(sorted_particles p, pbf_overlap found, pbf_entering entering) {
   uint32_t i = own_index(p);
   if (i >= p.count || (p.activity && pbf_is_asleep(p.activity[i]))) return;
-  const pbf_real part = pbf_placed_part(found, entering, p.ids[i], p.overlap[i]);
-  p.points[i].lambda = part > 0 ? PBF_PLACED_MARK + part : 0;
+  const pbf_real number = pbf_placed_number(found, entering, p.ids[i], p.overlap[i]);
+  p.points[i].lambda = number != 0 ? PBF_PLACED_MARK + number : 0;
 }
 
 /* Adds the overlap that is found at the start of the step, between these walls, and the colliders,
@@ -45,7 +45,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
       n.particles, n.grid, n.lists, i, x, velocities,
       [&](const point &other, const pbf_vec &v) {
         neighbor_of<pbf_real> j = neighbor_between(x, places.place(other, v));
-        j.number = placed_part_of(other);
+        j.number = placed_number_of(other);
         all.pair(&sums, {}, j);
         placed.pair(&placed_sums, {}, j);
       },
@@ -64,8 +64,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
                                  x, 1, pbf_enters(entering, n.particles.ids[i]));
   }
   pbf_real *overlap = n.particles.overlap + i;
-  *overlap =
-      pbf_overlap_found(c, found, entering, n.particles.ids[i], density, by_placed, *overlap);
+  *overlap = pbf_overlap_found(c, found, entering, n.particles.ids[i], density, by_placed,
+                               placed_sums.stream, *overlap);
 }
 
 /* Of what is still inside a solid. */

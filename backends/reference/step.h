@@ -121,14 +121,16 @@ static inline void add_found_overlap(solver *s, const pbf_obstacles *o) {
   const pbf_constants *c = &s->constants;
   const placed_density_pass<int> pass = {c, s->schedule.features};
   for (uint32_t i = 0; i < s->count; ++i)
-    s->lambda[i] = pbf_placed_part(s->found, s->entering, s->ids[i], s->overlap[i]);
+    s->lambda[i] = pbf_placed_number(s->found, s->entering, s->ids[i], s->overlap[i]);
   for (uint32_t i = 0; i < s->count; ++i) {
-    pbf_real placed = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i).density;
+    const auto sums = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i);
+    pbf_real placed = sums.density;
     if (s->schedule.wall_density)
       placed += placed_boundary(c, *o, s->found, s->table.placed, s->x[i], 0,
                                 pbf_enters(s->entering, s->ids[i]));
-    s->overlap[i] = pbf_overlap_found(c, s->found, s->entering, s->ids[i],
-                                      density_at(s, o, s->x, i, NULL), placed, s->overlap[i]);
+    s->overlap[i] =
+        pbf_overlap_found(c, s->found, s->entering, s->ids[i], density_at(s, o, s->x, i, NULL),
+                          placed, sums.stream, s->overlap[i]);
   }
 }
 

@@ -213,6 +213,9 @@ typedef struct pbf_entering {
   uint32_t first_id, last_id;
   double kept;               /* of what was allowed for before, near one that enters */
   double lower[3], upper[3]; /* a box around all that is within h of one */
+  uint32_t stream_first_id;  /* from here to last_id they are the streams' own, also those that are
+                                let go of and still within h of one that is near one that enters */
+  uint32_t reserved;
 } pbf_entering;
 
 /* What lies in other fluid, or in a solid, where no step has moved it: found there, an overlap. */

@@ -40,13 +40,21 @@ static void add(const pbf_solver *solver, const pbf_guided *g, pbf_entering *ent
   }
 }
 
+/* Ids ascend: those that their stream moves go h, and on the next 2 h are twice as many, which came
+ * before. */
+static uint32_t first_of_stream(const pbf_entering *entering) {
+  const uint64_t before = 2 * ((uint64_t)entering->last_id - entering->first_id + 1);
+  return before < entering->first_id ? entering->first_id - (uint32_t)before : 0;
+}
+
 /* All particles that their stream still moves: also those of which nothing is outside any more, for
- * what solids contribute to their densities is allowed for until they are h away. */
+ * what solids and the stream contribute to their densities is allowed for until they are h away. */
 int pbf_emission_find_entering(const pbf_solver *solver, pbf_entering *entering) {
   const pbf_emission *e = solver->emission;
   if (!e || e->head.guided_count == 0) return 0;
   begin(solver, entering);
   for (uint32_t i = 0; i < e->head.guided_count; ++i) add(solver, &e->guided[i], entering);
+  entering->stream_first_id = first_of_stream(entering);
   return 1;
 }
 

@@ -415,7 +415,7 @@ AT(pbf_overlap, now, 56);
 AT(pbf_overlap, least, 64);
 AT(pbf_overlap, entering, 72);
 
-SIZE(pbf_entering, 72);
+SIZE(pbf_entering, 80);
 AT(pbf_entering, struct_size, 0);
 AT(pbf_entering, alone, 4);
 AT(pbf_entering, first_id, 8);
@@ -423,6 +423,8 @@ AT(pbf_entering, last_id, 12);
 AT(pbf_entering, kept, 16);
 AT(pbf_entering, lower, 24);
 AT(pbf_entering, upper, 48);
+AT(pbf_entering, stream_first_id, 72);
+AT(pbf_entering, reserved, 76);
 
 SIZE(pbf_backend_array, 32);
 AT(pbf_backend_array, struct_size, 0);

@@ -10,16 +10,21 @@ enum { WIDE = 12, LAYERS = 12, MOST = WIDE * LAYERS * WIDE + 4000 };
 
 static const double d = 0.05, speed = 1;
 
-static int is_in_box(const double place[3], const pbf_collider *box, uint32_t dimension) {
-  int inside = box != NULL;
-  for (uint32_t k = 0; inside && k < dimension; ++k)
-    inside = fabs(place[k] - box->position[k]) < box->half_extents[k];
-  return inside;
+static int is_in_solid(const double place[3], const pbf_collider *solid, uint32_t dimension) {
+  double square = 0, farthest = 0;
+  if (!solid) return 0;
+  for (uint32_t k = 0; k < dimension; ++k) {
+    const double away = fabs(place[k] - solid->position[k]);
+    square += away * away;
+    farthest = fmax(farthest, away / solid->half_extents[k]);
+  }
+  return solid->shape == PBF_COLLIDER_SPHERE ? square < solid->radius * solid->radius
+                                             : farthest < 1;
 }
 
-/* A tank of twelve layers at rest, without what would stand in the box. */
+/* A tank of twelve layers at rest, without what would stand in the solid. */
 static pbf_solver *tank(uint32_t dimension, uint32_t precision, double time_step,
-                        const pbf_collider *box) {
+                        const pbf_collider *solid) {
   const uint32_t depth = dimension == 3 ? WIDE : 1;
   const pbf_desc desc = test_desc(dimension, precision, MOST);
   pbf_params params = test_params();
@@ -30,14 +35,14 @@ static pbf_solver *tank(uint32_t dimension, uint32_t precision, double time_step
   for (uint32_t i = 0; i < WIDE * LAYERS * depth; ++i) {
     const double place[3] = {d * (i % WIDE + 0.5), d * (i / WIDE % LAYERS + 0.5),
                              d * (i / WIDE / LAYERS + 0.5)};
-    if (is_in_box(place, box, dimension)) continue;
+    if (is_in_solid(place, solid, dimension)) continue;
     for (uint32_t k = 0; k < dimension; ++k)
       test_put(x, (uint64_t)count * dimension + k, precision, place[k]);
     ++count;
   }
   pbf_solver *s = test_create(&desc, &params);
   assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
-  if (box) assert_ok(pbf_set_colliders(s, 1, box));
+  if (solid) assert_ok(pbf_set_colliders(s, 1, solid));
   assert_ok(pbf_step(s, (uint32_t)lround(0.2 / time_step)));
   free(x);
   return s;
@@ -59,17 +64,27 @@ static pbf_stats stats_of(pbf_solver *s) {
   return stats;
 }
 
-typedef enum where { IN_WATER, ON_A_BOX, ON_THE_FLOOR, PLACES } where;
+typedef enum where { IN_WATER, ON_A_BOX, ON_THE_FLOOR, IN_A_BALL, PLACES } where;
+
+/* The box's upper face is as high as the opening; that lies 3 d deep in the ball, deeper than the h
+ * on which its stream moves a particle. */
+static pbf_collider solid_at(where place) {
+  pbf_collider solid;
+  const uint32_t shape = place == IN_A_BALL ? PBF_COLLIDER_SPHERE : PBF_COLLIDER_BOX;
+  assert_ok(pbf_collider_init(&solid, sizeof solid, shape));
+  for (int k = 0; k < 3; ++k) {
+    solid.position[k] = d * (k == 1 && place == ON_A_BOX ? 4 : WIDE / 2);
+    solid.half_extents[k] = 2 * d;
+  }
+  solid.radius = 3 * d;
+  return solid;
+}
 
 static void check_opening(uint32_t dimension, uint32_t precision, double time_step, where place) {
-  static const char *const names[] = {"in the water", "on a box", "on the floor"};
-  pbf_collider box;
-  assert_ok(pbf_collider_init(&box, sizeof box, PBF_COLLIDER_BOX));
-  for (int k = 0; k < 3; ++k) {
-    box.position[k] = d * (k == 1 ? 4 : WIDE / 2);
-    box.half_extents[k] = 2 * d;
-  }
-  pbf_solver *s = tank(dimension, precision, time_step, place == ON_A_BOX ? &box : NULL);
+  static const char *const names[] = {"in the water", "on a box", "on the floor", "in a ball"};
+  const pbf_collider solid = solid_at(place);
+  const int has_solid = place == ON_A_BOX || place == IN_A_BALL;
+  pbf_solver *s = tank(dimension, precision, time_step, has_solid ? &solid : NULL);
   const pbf_emitter e = opening(place == ON_THE_FLOOR ? 0 : 6 * d, speed);
   double fastest = 0;
   assert_ok(pbf_set_emitters(s, 1, &e));
@@ -80,7 +95,10 @@ static void check_opening(uint32_t dimension, uint32_t precision, double time_st
   if (!(fastest < 2.5 * speed))
     fail_msg("%uD, steps of %g, %s: %g m/s for a stream of %g", dimension, time_step, names[place],
              fastest, speed);
-  assert_true(stats_of(s).density_error_mean < 0.03);
+  const double error = stats_of(s).density_error_mean;
+  const double most = place == IN_A_BALL && dimension == 2 ? 0.12 : 0.03;
+  if (!(error < most))
+    fail_msg("%uD, steps of %g, %s: an error of %g", dimension, time_step, names[place], error);
   pbf_destroy(s);
 }
 

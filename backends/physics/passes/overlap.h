@@ -12,11 +12,11 @@
 
 namespace {
 
-/* The density that placed neighbours contribute, or the parts of them that are placed. What their
- * ghosts do is not counted. */
+/* The density that placed neighbours contribute, or the parts of them that are placed; and that of
+ * a stream's own particles. What their ghosts do is not counted. */
 template <class Features>
 struct placed_density_pass {
-  enum { NUMBER = 1 /* pbf_placed_part */, VECTOR = 0 };
+  enum { NUMBER = 1 /* pbf_placed_number */, VECTOR = 0 };
   const pbf_constants *c;
   Features features;
 
@@ -24,17 +24,21 @@ struct placed_density_pass {
   struct own {};
   template <class L>
   struct sums {
-    L density;
+    L density, stream;
   };
 
   template <class L>
   PBF_IN sums<L> begin() const {
-    return {ops<L>::set(0)};
+    return {ops<L>::set(0), ops<L>::set(0)};
   }
 
   template <class L>
   PBF_IN void pair(sums<L> *s, const own<L> &, const neighbor_of<L> &j) const {
-    s->density = ops<L>::multiply_add(kernel_value(features, c, j.r2), j.number, s->density);
+    const L none = ops<L>::set(0), value = kernel_value(features, c, j.r2);
+    const L of_stream = ops<L>::max(none - j.number, none);
+    const L outside = ops<L>::max(of_stream - ops<L>::set(1), none);
+    s->density = ops<L>::multiply_add(value, ops<L>::max(j.number, none) + outside, s->density);
+    s->stream = ops<L>::multiply_add(value, of_stream - outside, s->stream);
   }
 
   template <class L>
@@ -75,14 +79,23 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id, pbf_real overla
  * once, half a spacing from what it meets. It enters within the way of a spacing instead, on which
  * its stream moves it: what is still outside does not count in the densities of all that it is
  * near, itself included. So what is in its way has time to give way, at the stream's speed. Near it
- * no other allowance lasts any longer. */
+ * no other allowance lasts any longer.
+ *
+ * A stream that wavers, or whose opening turns, is denser in places while it is moved. What its own
+ * particles make of their densities is allowed for as well, until they have parted: let go of at
+ * once it would part within a step or two, at error times h / dt. */
 static inline pbf_entering pbf_entering_of(const pbf_overlap *overlap) {
   if (overlap->entering) return *overlap->entering;
-  return {0, 0, 1, 0, 0, {0}, {0}};
+  return {0, 0, 1, 0, 0, {0}, {0}, 1, 0};
 }
 
 PBF_FN bool pbf_enters(const pbf_entering &entering, uint32_t id) {
   return id >= entering.first_id && id <= entering.last_id;
+}
+
+/* Also what has been let go of just now. */
+PBF_FN bool pbf_is_of_stream(const pbf_entering &entering, uint32_t id) {
+  return id >= entering.stream_first_id && id <= entering.last_id;
 }
 
 /* Whether anything can be found there. */
@@ -93,18 +106,22 @@ PBF_FN bool pbf_overlap_reaches(const pbf_entering &entering, pbf_vec x) {
   return in_box || !entering.alone;
 }
 
-/* What is allowed for of a particle that enters, or is near one, of which `outside` is the density
- * of what is not yet there. */
+/* What is allowed for of a particle that enters, or is near one: the largest of the density of what
+ * is not yet there, of what a stream's own particles make, and of what is left of before. */
 PBF_FN pbf_real pbf_overlap_entering(const pbf_entering &entering, pbf_real error, pbf_real outside,
-                                     pbf_real before) {
-  return pbf_real_min(error, pbf_real_max(outside, before * (pbf_real)entering.kept));
+                                     pbf_real of_stream, pbf_real before) {
+  const pbf_real now = pbf_real_max(outside, of_stream);
+  return pbf_real_min(error, pbf_real_max(now, before * (pbf_real)entering.kept));
 }
 
-/* The part of a particle that is placed: all, what is still outside of one that enters, or none. */
-PBF_FN pbf_real pbf_placed_part(const pbf_overlap &found, const pbf_entering &entering, uint32_t id,
-                                pbf_real overlap) {
+/* The part of a particle that is placed: all, or none; of a stream's -1 less the part that is still
+ * outside. Of what is not let go of that is never nothing, so that all which is near it is told. */
+PBF_FN pbf_real pbf_placed_number(const pbf_overlap &found, const pbf_entering &entering,
+                                  uint32_t id, pbf_real overlap) {
+  constexpr pbf_real LEAST = (pbf_real)0x1p-16;
   if (pbf_is_placed(found, id, overlap)) return 1;
-  return pbf_enters(entering, id) ? pbf_real_min(pbf_real_max(overlap, 0), 1) : 0;
+  if (pbf_enters(entering, id)) return -1 - pbf_real_min(pbf_real_max(overlap, LEAST), 1);
+  return pbf_is_of_stream(entering, id) ? (pbf_real)-1 : 0;
 }
 
 /* ---- Allowances ------------------------------------------------------------------------------ */
@@ -126,19 +143,24 @@ PBF_FN pbf_real pbf_overlap_shifted(const pbf_overlap &found, pbf_real error, pb
 }
 
 /* What is allowed for of a particle's density, of which `placed_density` is contributed by what has
- * been placed; `before`: already, to which that adds. Of a particle that was itself placed it is
- * all of its error; of one that was set elsewhere, maybe with its vessel and all of the water
- * there, all but what weight presses it by. */
+ * been placed, and `stream_density` by a stream's particles; `before`: already, to which that adds.
+ * Of a particle that was itself placed it is all of its error; of one that was set elsewhere, maybe
+ * with its vessel and all of the water there, all but what weight presses it by. */
 PBF_FN pbf_real pbf_overlap_found(const pbf_constants *c, const pbf_overlap &found,
                                   const pbf_entering &entering, uint32_t id, pbf_real density,
-                                  pbf_real placed_density, pbf_real before) {
+                                  pbf_real placed_density, pbf_real stream_density,
+                                  pbf_real before) {
   const pbf_real error = pbf_real_max(density - c->target, 0);
   if (pbf_is_set_elsewhere(before)) return pbf_real_max(error - (pbf_real)found.least, 0);
   if (pbf_is_placed(found, id, before)) return pbf_real_max(before, error);
+  const pbf_real of_stream =
+      pbf_is_of_stream(entering, id) ? stream_density + c->value_scale - c->target : 0;
   if (pbf_enters(entering, id))
-    return pbf_overlap_entering(entering, error, placed_density + before * c->value_scale, 0);
+    return pbf_overlap_entering(entering, error, placed_density + before * c->value_scale,
+                                of_stream, 0);
   if (placed_density > 0 && entering.struct_size)
-    return pbf_overlap_entering(entering, error, placed_density, before);
+    return pbf_overlap_entering(entering, error, placed_density, pbf_real_min(of_stream, before),
+                                before);
   const pbf_real shifted =
       found.part < 0 || found.part > 0 ? pbf_overlap_shifted(found, error, before) : before;
   if (!(placed_density > 0)) return shifted;
