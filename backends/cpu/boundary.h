@@ -184,39 +184,41 @@ typedef struct lanes_asked {
   uint8_t is[WIDTH];
 } lanes_asked;
 
-/* Whether none of some colliders has anything to do with what is less than clear_reach from x: as
+/* How far what is at x may go until it can be at one of some colliders, at most clear_reach: as in
  * bounds_are_within, distances change by no more than `steepest` times the way. */
-static __attribute__((noinline)) int is_clear_of(const pbf_constants *c, const pbf_obstacles *near,
-                                                 pbf_vec x) {
+static __attribute__((noinline)) pbf_real clear_way_from(const pbf_constants *c,
+                                                         const pbf_obstacles *near, pbf_vec x) {
+  pbf_real way = clear_reach(c);
   pbf_vec normal;
   for (int k = 0; k < near->count; ++k) {
     const pbf_surface *s = &near->surfaces[k];
     if (16 * s->skin > clear_way(c)) return 0;
-    if (!pbf_surface_is_beyond(s, x, clear_reach(c)) &&
-        !(pbf_surface_distance(s, x, &normal) > s->steepest * clear_reach(c)))
-      return 0;
+    if (pbf_surface_is_beyond(s, x, way)) continue;
+    const pbf_real distance = pbf_surface_distance(s, x, &normal) - 2 * s->skin - 16 * s->rounding;
+    if (!(distance > 0)) return 0; /* what is no number, too */
+    way = pbf_real_min(way, distance / s->steepest);
   }
-  return 1;
+  return way;
 }
 
-/* Notes which are clear, at x. */
+/* Notes how far each may go, from x. */
 static __attribute__((noinline)) void find_clear(const pbf_constants *c, const pbf_obstacles *o,
-                                                 const lane_values *x, pbf_real *is_clear) {
+                                                 const lane_values *x, pbf_real *ways) {
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
   const int met = obstacles_within(o, &these, clear_reach(c), &near);
   for (uint32_t l = 0; l < WIDTH; ++l)
-    is_clear[l] = !met || is_clear_of(c, &near, lane_value(x, l)) ? 1 : 0;
+    ways[l] = met ? clear_way_from(c, &near, lane_value(x, l)) : clear_reach(c);
 }
 
-/* Those that have not been clear, or are no longer where they were then. */
-static __attribute__((noinline)) lanes_asked lanes_beyond(const pbf_real *is_clear,
+/* Those that have gone as far as these ways, or farther; a way of 0 is none. */
+static __attribute__((noinline)) lanes_asked lanes_beyond(const pbf_real ways[WIDTH],
                                                           const lane_values *from,
-                                                          const lane_values *x, pbf_real way) {
+                                                          const lane_values *x) {
   lanes_asked asked = {0, {0}};
   for (uint32_t l = 0; l < WIDTH; ++l) {
     const pbf_vec gone = pbf_sub(lane_value(x, l), lane_value(from, l));
-    asked.is[l] = !(is_clear[l] > 0 && pbf_dot(gone, gone) < way * way);
+    asked.is[l] = !(pbf_dot(gone, gone) < ways[l] * ways[l]);
     asked.any |= asked.is[l];
   }
   return asked;

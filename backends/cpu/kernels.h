@@ -81,12 +81,12 @@ typedef struct boundary_cache {
   pbf_real *rest;
 } boundary_cache;
 
-/* Which particles no collider is near in the iterations of a step. */
-typedef struct clear_particles {
-  pbf_real *is_clear; /* 1 or 0; null: nothing is known */
-  int first;          /* iteration, in which lambda finds them */
-  field predicted;    /* where they were then */
-} clear_particles;
+/* How far particles may go in the iterations of a step until a collider can be met. */
+typedef struct clear_ways {
+  pbf_real *of;    /* as far as clear_reach; 0: some may be there already; null: nothing is known */
+  int first;       /* iteration, in which lambda finds them */
+  field predicted; /* where particles were then */
+} clear_ways;
 
 /* What a pass over pairs needs beside the lists and its own arrays. */
 typedef struct pair_pass {
@@ -105,7 +105,7 @@ typedef struct pair_pass {
   const pbf_real *mobility;          /* null: phases do not differ; lambda alone asks for it, … */
   const pbf_real *last_pressure;     /* … and for this, by order; null: nothing is smoothed */
   const uint32_t *order;
-  clear_particles clear;
+  clear_ways clear;
   boundary_cache boundary; /* lambda leaves it for move, at the same places */
 } pair_pass;
 

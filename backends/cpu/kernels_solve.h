@@ -97,13 +97,15 @@ PBF_FN lane_boundary group_boundary(const pair_pass *p, uint32_t g, const lanes_
 /* Which of a group's particles may be near colliders; null: all. */
 static __attribute__((noinline)) const lanes_asked *ask_lanes(const pair_pass *p, uint32_t g,
                                                               lanes_asked *asked) {
-  const clear_particles *clear = &p->clear;
-  if (!clear->is_clear) return NULL;
+  const clear_ways *clear = &p->clear;
+  if (!clear->of) return NULL;
   const lane_values xs = values_of(load_vector(p->x, g * WIDTH));
   const lane_values from = values_of(load_vector(clear->predicted, g * WIDTH));
-  pbf_real *is_clear = clear->is_clear + g * WIDTH;
-  if (clear->first) find_clear(p->constants, p->contributing, &xs, is_clear);
-  *asked = lanes_beyond(is_clear, &from, &xs, clear_way(p->constants));
+  pbf_real *ways = clear->of + g * WIDTH, without[WIDTH];
+  if (clear->first) find_clear(p->constants, p->contributing, &xs, ways);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    without[l] = ways[l] < clear_reach(p->constants) ? 0 : clear_way(p->constants);
+  *asked = lanes_beyond(without, &from, &xs);
   return asked;
 }
 
@@ -241,19 +243,20 @@ PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
   }
 }
 
-/* Those that may meet colliders on their ways: the domain pushes a particle by no more than twice
- * what it is out of it. */
+/* Those that may meet colliders on their ways: a fourth of the way that is clear, as the domain
+ * pushes a particle by no more than twice what it is out of it. */
 static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,
                                                              const pbf_domain *domain,
                                                              const lane_values *from,
                                                              const lane_values *x, uint32_t first) {
-  const pbf_real way = clear_reach(p->constants) / 4;
+  pbf_real ways[WIDTH];
   lanes_asked asked;
   memset(&asked, 1, sizeof asked); /* where nothing is known */
-  if (!p->clear.is_clear) return asked;
-  asked = lanes_beyond(p->clear.is_clear + first, from, x, way);
+  if (!p->clear.of) return asked;
+  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = p->clear.of[first + l] / 4;
+  asked = lanes_beyond(ways, from, x);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    asked.is[l] |= !(pbf_domain_distance(domain, lane_value(x, l)) > -way);
+    asked.is[l] |= !(pbf_domain_distance(domain, lane_value(x, l)) > -ways[l]);
     asked.any |= asked.is[l];
   }
   return asked;
@@ -294,7 +297,7 @@ static __attribute__((noinline)) void resolve_group(const pair_pass *p,
   lanes_asked asked = lanes_under_way(p, &obstacles->domain, from, x, first);
   const lane_values ends = *x;
   clamp_group(obstacles, x);
-  if (!BUILT_FOR_SIZE && asked.any && p->clear.is_clear)
+  if (!BUILT_FOR_SIZE && asked.any && p->clear.of)
     leave_clear_ways(obstacles, from, x, lanes, &asked);
   if (!asked.any) return;
   const group_bounds these = bounds_of_asked(&asked, from, &ends, lanes);

@@ -17,10 +17,9 @@ static void clear_totals(solver *s, range groups) {
   memset(s->added + groups.first * width, 0, bytes);
 }
 
-static void forget_clear(const solver *s, pbf_real *is_clear, range groups) {
+static void forget_clear(const solver *s, pbf_real *ways, range groups) {
   const uint64_t width = s->kernels->width;
-  memset(is_clear + groups.first * width, 0,
-         (groups.last - groups.first) * width * sizeof *is_clear);
+  memset(ways + groups.first * width, 0, (groups.last - groups.first) * width * sizeof *ways);
 }
 
 static const field &x_star(const worker *w) { return w->b.x_star(w->iteration); }
@@ -31,7 +30,7 @@ static pair_pass pairs_at_x_star(const worker *w, const pbf_real *packed) {
   pairs.mobility = w->s->mobility;
   if (w->iteration + 1 == w->s->params.iterations) pairs.last_pressure = last_pressures(w->s);
   if (pairs.contributing && pbf_surface_count(w->obstacles))
-    pairs.clear = (clear_particles){w->b.is_clear(), w->iteration == 0, w->b.sorted_predicted};
+    pairs.clear = (clear_ways){w->b.clear_ways_of(), w->iteration == 0, w->b.sorted_predicted};
   pairs.boundary = (boundary_cache){w->b.boundary_gradient(), w->b.boundary_rest()};
   return pairs;
 }
@@ -172,7 +171,7 @@ static uint32_t find_lambda(const worker *w, const pair_pass *pairs, uint32_t ta
   range r = task_groups(w, task), all = task_sorted(w, task);
   if ((PBF_BUILT & PBF_FEATURE_CHEBYSHEV) && s->schedule.accelerated && w->iteration == 0)
     clear_totals(s, r);
-  if (pairs->clear.first) forget_clear(s, pairs->clear.is_clear, r);
+  if (pairs->clear.first) forget_clear(s, pairs->clear.of, r);
   for (range g = solving_groups(w, r.first, r.last); g.first < g.last;
        g = solving_groups(w, g.last, r.last))
     s->kernels->lambda(pairs, s->lambda, s->added, g.first, g.last);

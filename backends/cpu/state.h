@@ -57,7 +57,7 @@ struct buffers {
   /* What surfaces contribute is kept there after that. */
   PBF_IN const field &boundary_gradient() const { return v; }
   PBF_IN pbf_real *boundary_rest() const { return x.c[0]; }
-  PBF_IN pbf_real *is_clear() const { return x.c[1]; }
+  PBF_IN pbf_real *clear_ways_of() const { return x.c[1]; }
 
   /* Until then, of the overlap: what has been placed, and what that and streams contribute. */
   PBF_IN pbf_real *is_placed() const { return x.c[0]; }
