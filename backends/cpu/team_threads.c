@@ -31,7 +31,7 @@ typedef struct region {
   uint32_t threads, come; /* members there may be, and have been */
   atomic_uint inside;     /* threads of the pool that are */
   int is_waited_for;      /* until none is; both under the pool's lock */
-  uintptr_t number;       /* of a task: which its task system has for its address */
+  uintptr_t task; /* number of the task that it is, which a task system has for an address */
   /* Of each region one: a signal handler may wait in a thread that it has interrupted in a wait. */
   pbf_condition empty;
 } region;
@@ -44,13 +44,24 @@ typedef struct limit {
   double more_at;
 } limit;
 
+/* Tasks that are open in task systems: solvers that have them step at once. */
+enum { MAX_TASKS = 64 };
+
+/* By number, the place in the table included: an item may run after its task has ended, of a system
+ * that does not wait for all. A table, not a list of regions: their stacks are gone where a task
+ * system has left the call by a longjmp. */
+typedef struct open_task {
+  uintptr_t number; /* 0: the place is free */
+  region *region;
+} open_task;
+
 /* All but `opened` is changed under the lock. */
 static struct pool {
   pbf_mutex lock;
   pbf_condition wake; /* threads of the pool that sleep */
   atomic_uint opened; /* changes with each region that is */
   region *regions;    /* open */
-  region *tasks;      /* in task systems, open */
+  open_task tasks[MAX_TASKS];
   uintptr_t tasks_so_far;
   uint32_t users; /* solvers */
   uint32_t sleeping;
@@ -126,6 +137,10 @@ static void *work(void *generation) {
 
 /* ---- The pool ------------------------------------------------------------------------------ */
 
+static void forget_tasks(void) {
+  for (uint32_t k = 0; k < MAX_TASKS; ++k) pool.tasks[k].number = 0;
+}
+
 /* A child process has none of the threads, and none of the regions that they were in. */
 static void before_fork(void) { pbf_mutex_lock(&pool.lock); }
 static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
@@ -134,7 +149,7 @@ static void in_child(void) {
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
   pool.regions = NULL;
-  for (; pool.tasks; pool.tasks = pool.tasks->next) atomic_store(&pool.tasks->inside, 0);
+  forget_tasks();
   pool.sleeping = 0;
   pool.size = 0;
   pool.refused = 0;
@@ -170,7 +185,10 @@ static void team_begin(void) {
   pbf_mutex_lock(&pool.lock);
   if (!pool.forks_are_watched)
     pool.forks_are_watched = pbf_at_fork(before_fork, in_parent, in_child);
-  if (pool.users++ == 0) pool.limit = (limit){0};
+  if (pool.users++ == 0) {
+    pool.limit = (limit){0};
+    forget_tasks();
+  }
   pool.refused = 0;
   pbf_mutex_unlock(&pool.lock);
 }
@@ -292,35 +310,38 @@ static void run_many(region *r, double begin) {
 
 /* ---- A caller's task system ---------------------------------------------------------------- */
 
-/* Items need the lock. */
-static int open_task(region *r) {
+/* Items need the lock. Without a free place the caller is alone. */
+static int open_task_of(region *r) {
+  uint32_t k = 0;
   if (!take_lock_soon()) return 0;
-  r->number = ++pool.tasks_so_far;
-  r->next = pool.tasks;
-  pool.tasks = r;
+  while (k < MAX_TASKS && pool.tasks[k].number) ++k;
+  if (k < MAX_TASKS) {
+    r->task = ++pool.tasks_so_far * MAX_TASKS + k;
+    pool.tasks[k] = (open_task){.number = r->task, .region = r};
+  }
   pbf_mutex_unlock(&pool.lock);
-  return 1;
+  return k < MAX_TASKS;
 }
 
-/* What comes after that finds no task, and there is nothing left to do. The child of a fork has
- * none of the tasks. */
-static void close_task(region *r) {
+/* What comes after that finds no task, and there is nothing left to do. Returns 0 in the child of a
+ * fork, which has none of the threads that may be inside. */
+static int close_task_of(const region *r) {
+  open_task *task = &pool.tasks[r->task % MAX_TASKS];
   pbf_mutex_lock(&pool.lock);
-  region **link = &pool.tasks;
-  while (*link && *link != r) link = &(*link)->next;
-  if (*link) *link = r->next;
+  const int was_open = task->number == r->task;
+  if (was_open) task->number = 0;
   pbf_mutex_unlock(&pool.lock);
+  return was_open;
 }
 
 /* An item: a member if there is a place left. Which item it is does not matter, nor how many of
- * them the task system runs at once. The task is looked up by its number: its item may run after it
- * has ended, of a system that does not wait for all. */
+ * them the task system runs at once. */
 static void run_item(void *number, uint32_t first, uint32_t last) {
   (void)first, (void)last;
+  const open_task *task = &pool.tasks[(uintptr_t)number % MAX_TASKS];
   pbf_fp_environment before = pbf_fp_begin();
   pbf_mutex_lock(&pool.lock);
-  region *r = pool.tasks;
-  while (r && r->number != (uintptr_t)number) r = r->next;
+  region *r = task->number == (uintptr_t)number ? task->region : NULL;
   if (r && r->come < r->threads) join(r);
   pbf_mutex_unlock(&pool.lock);
   pbf_fp_end(before);
@@ -328,14 +349,14 @@ static void run_item(void *number, uint32_t first, uint32_t last) {
 
 static void run_as_task(const team_tasks *tasks, region *r) {
   team_reset(r->all, r->threads);
-  void *handle = tasks->enqueue(tasks->user, run_item, (void *)r->number, r->threads - 1, 1);
+  void *handle = tasks->enqueue(tasks->user, run_item, (void *)r->task, r->threads - 1, 1);
   (void)pbf_fp_begin();
   team_thread self = {.api = &cpu_team, .team = r->all, .thread = 0, .threads = r->threads};
   r->function(r->context, &self);
-  close_task(r);
+  const int was_open = close_task_of(r);
   if (handle) tasks->finish(tasks->user, handle);
   (void)pbf_fp_begin();
-  wait_until_empty(r);
+  if (was_open) wait_until_empty(r);
 }
 
 /* ---- A run --------------------------------------------------------------------------------- */
@@ -345,7 +366,7 @@ static void team_run(const team_tasks *tasks, team *all, uint32_t threads, team_
   region r = {.all = all, .function = function, .context = context, .threads = threads, .come = 1};
   const double begin = pbf_seconds();
   see_process();
-  if (threads > 1 && tasks->enqueue && open_task(&r)) {
+  if (threads > 1 && tasks->enqueue && open_task_of(&r)) {
     run_as_task(tasks, &r);
   } else if (threads > 1 && !tasks->enqueue && open_region(&r, begin) > 1) {
     run_many(&r, begin);
