@@ -26,7 +26,7 @@ setmetatable(pbf, { __index = function(_, name) return C["PBF_" .. name] end })
 
 local function params_from(fields)
   if type(fields) == "cdata" then
-    if not ffi.istype("pbf_params", fields) then invalid("params is %s; it must be a table, or a pbf_params", tostring(fields)) end
+    if fields == nil or not ffi.istype("pbf_params", fields) then invalid("params is %s; it must be a table, or a pbf_params", tostring(fields)) end
     return fields
   end
   local params = new("pbf_params")
@@ -81,6 +81,8 @@ local function described(options, others)
   call("pbf_desc_init", desc, ffi.sizeof(desc))
   for name, value in pairs(need("table", "the description", options or {}, "a table")) do
     if others[name] then taken[name] = value
+    elseif type(value) == "function" then -- whose error would leave a call of the library's halfway
+      invalid("desc.%s is a function of Lua, which other threads would call, and LuaJIT runs in one; it must be one of C", tostring(name))
     else kept[name] = value end -- strings live on until the library has copied them
   end
   assign("desc", desc, kept)
@@ -218,6 +220,7 @@ function Solver:map(field, with)
   local handle = core.enter(self)
   local results = { pcall(with, view) }
   C.pbf_unmap(handle, field)
+  ffi.fill(view, ffi.sizeof(view)) -- what keeps it finds no particles
   core.leave(self)
   if not results[1] then error(results[2], 0) end
   return unpack(results, 2, table.maxn(results))
