@@ -143,7 +143,7 @@ def read_manifest(folder):
     if spacing >= h:
         reader.fault("spacing", f"below smoothing_radius {h:g}")
     kernel = reader.values["kernel"]
-    if kernel not in KERNELS:
+    if not isinstance(kernel, str) or kernel not in KERNELS:
         reader.fault("kernel", " or ".join(f'"{name}"' for name in KERNELS))
     volume = reader.number("particle_volume", minimum=0) or calibrated_volume(kernel, h, spacing, dim)
     return Manifest(

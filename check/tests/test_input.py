@@ -42,7 +42,7 @@ class Malformed(DumpTest):
     def test_manifest_values(self):
         for key, value in (("dimension", 4), ("dimension", "2"), ("smoothing_radius", 0),
                            ("smoothing_radius", "1"), ("spacing", -1), ("spacing", 5.0),
-                           ("particle_volume", True), ("kernel", "cubic"), ("gravity", [1]),
+                           ("particle_volume", True), ("kernel", "cubic"), ("kernel", []), ("gravity", [1]),
                            ("gravity", [0, "g"]), ("domain_max", [-2000.0, 1.0]), ("time_step", 0),
                            ("walls", 3), ("walls", [True]), ("walls", {"velocity": [1]}),
                            ("walls", {"present": [1, 1, 1, 1]}), ("attraction", None)):
