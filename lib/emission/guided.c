@@ -3,9 +3,13 @@
 #include <math.h>
 
 #include "new_particles.h"
+#include "params.h"
 #include "particles/values.h"
+#include "physics/spacing.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
+#include "solver/solid.h"
+#include "solver/solver_time.h"
 
 double pbf_guided_speed(const pbf_guided *guided) {
   const double *v = guided->velocity;
@@ -16,6 +20,84 @@ void pbf_guided_place(const pbf_guided *guided, double place[3]) {
   const double speed = pbf_guided_speed(guided);
   for (int k = 0; k < 3; ++k)
     place[k] = guided->from[k] + guided->ahead * (guided->velocity[k] / speed);
+}
+
+/* ---- Solids ---------------------------------------------------------------------------------- */
+
+/* How far its line goes before it runs into the solid, infinite where that is farther than `most`.
+ * An opening may lie in a solid, which its stream has to have left before. */
+static double way_to_solid(const pbf_solid *solid, const pbf_guided *g, double most,
+                           double spacing) {
+  const double least = spacing / 16, speed = pbf_guided_speed(g);
+  double outside = -1; /* so far it is outside, from where it has left the solid; none: below 0 */
+  double at = 0;
+  for (int looks = 1000; at <= most && looks > 0; --looks) {
+    double place[3], normal[3];
+    for (int k = 0; k < 3; ++k) place[k] = g->from[k] + at * (g->velocity[k] / speed);
+    const double distance = pbf_solid_distance(solid, place, normal);
+    if (outside >= 0 && distance < -least) return outside;
+    if (distance >= 0) outside = at + distance;
+    at += fmax(fabs(distance), 2 * least);
+  }
+  return INFINITY;
+}
+
+static double way_to_walls(const pbf_solver *solver, const pbf_box *box, const pbf_guided *g) {
+  const double speed = pbf_guided_speed(g);
+  double way = INFINITY;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k) {
+    const double to = g->velocity[k] > 0 ? box->upper[k] - g->from[k] : box->lower[k] - g->from[k];
+    if (solver->params.periodic >> k & 1 || !(fabs(g->velocity[k]) > 0)) continue;
+    way = fmin(way, fmax(to / g->velocity[k], 0) * speed);
+  }
+  return way;
+}
+
+/* A particle at a solid is half a spacing off it; so near to one a stream moves none. */
+static void end_before(double way, double spacing, pbf_guided_end end, pbf_guided *g) {
+  const double free = fmax(way - spacing / 2, 0);
+  if (free < g->ahead) g->ahead = end == PBF_GUIDED_STOPS ? free : INFINITY;
+}
+
+/* The ball around all lines: most colliders of a large scene are not near it. */
+static double ball_around(const pbf_guided *guided, uint32_t count, double centre[3]) {
+  double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+  double square = 0, longest = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!(guided[i].ahead < INFINITY)) continue;
+    longest = fmax(longest, guided[i].ahead);
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = fmin(lower[k], guided[i].from[k]);
+      upper[k] = fmax(upper[k], guided[i].from[k]);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    centre[k] = 0.5 * (lower[k] + upper[k]);
+    square += 0.25 * (upper[k] - lower[k]) * (upper[k] - lower[k]);
+  }
+  return sqrt(square) + longest;
+}
+
+void pbf_guided_meet_solids(const pbf_solver *solver, pbf_guided *guided, uint32_t count,
+                            pbf_guided_end end) {
+  const double spacing = pbf_derive_spacing(&solver->params), now = pbf_solver_time(solver);
+  const pbf_box box = pbf_params_box(&solver->params, solver->kind.dimension, now);
+  const double reach = spacing / 2;
+  double centre[3];
+  for (uint32_t i = 0; i < count; ++i)
+    end_before(way_to_walls(solver, &box, &guided[i]), spacing, end, &guided[i]);
+  if (solver->collider_count == 0 || count == 0) return;
+  const double radius = ball_around(guided, count, centre) + reach;
+  for (uint32_t s = 0; s < solver->collider_count; ++s) {
+    const pbf_solid solid = pbf_solid_at(solver, s, now);
+    if (pbf_solid_is_beyond(&solid, centre, radius)) continue;
+    for (uint32_t i = 0; i < count; ++i) {
+      pbf_guided *g = &guided[i];
+      const double most = g->ahead + reach;
+      if (!(most < INFINITY) || pbf_solid_is_beyond(&solid, g->from, most)) continue;
+      end_before(way_to_solid(&solid, g, most, spacing), spacing, end, g);
+    }
+  }
 }
 
 /* ---- Positions that are set ------------------------------------------------------------------ */

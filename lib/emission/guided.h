@@ -10,6 +10,15 @@ double pbf_guided_speed(const pbf_guided *guided);
 /* Where it is to be, `ahead` of where it has left. */
 void pbf_guided_place(const pbf_guided *guided, double place[3]);
 
+/* Their streams end at solids: of `count` that are to go on as far as `ahead` says, those whose
+ * lines run into a collider before are told so. */
+typedef enum pbf_guided_end {
+  PBF_GUIDED_STOPS,    /* there */
+  PBF_GUIDED_IS_LET_GO /* ahead becomes infinite */
+} pbf_guided_end;
+void pbf_guided_meet_solids(const pbf_solver *solver, pbf_guided *guided, uint32_t count,
+                            pbf_guided_end end);
+
 /* Positions that are set move lines along, so that a world's origin may float: the first call,
  * before rows are written, keeps where they were; the second, after it, moves the lines. */
 pbf_status pbf_guided_keep(pbf_solver *solver, uint32_t first, uint32_t count);

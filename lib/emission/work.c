@@ -146,26 +146,36 @@ static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
 }
 
 /* Particle j of the batch left when so much of the step was over as the due number says, and has
- * gone on since. Those outside of the domain are left out; returns how many are left. */
-static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, const batch *b,
-                            uint32_t source, uint64_t number, uint64_t count) {
+ * gone on since, unless it met a solid. */
+static void begin_batch(const pbf_solver *solver, const batch *b, uint32_t source, uint64_t number,
+                        uint64_t count, pbf_guided *guided) {
+  const uint32_t n = solver->kind.dimension;
+  for (uint64_t j = 0; j < count; ++j) {
+    const double ahead = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
+    double place[3];
+    pbf_opening_place(&b->opening, number + j, place);
+    guided[j] = (pbf_guided){.source = source, .ahead = ahead};
+    memcpy(guided[j].from, place, n * sizeof *place);
+    memcpy(guided[j].velocity, b->opening.emitter->velocity, n * sizeof *place);
+  }
+  pbf_guided_meet_solids(solver, guided, (uint32_t)count, PBF_GUIDED_STOPS);
+}
+
+/* Those outside of the domain are left out; returns how many are left. */
+static uint32_t write_batch(const pbf_solver *solver, const pbf_emission *e, uint64_t count,
+                            pbf_guided *guided) {
   const uint32_t n = solver->kind.dimension;
   void *velocities = (char *)e->particles + count * pbf_point_bytes(solver);
   uint32_t written = 0;
   for (uint64_t j = 0; j < count; ++j) {
-    const double ahead = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
     double place[3];
-    pbf_guided guided = {(uint32_t)solver->next_id + written, source, ahead, {0}, {0}};
-    pbf_opening_place(&b->opening, number + j, place);
-    memcpy(guided.from, place, n * sizeof *place);
-    memcpy(guided.velocity, b->opening.emitter->velocity, n * sizeof *place);
-    pbf_guided_place(&guided, place);
+    pbf_guided_place(&guided[j], place);
     if (!pbf_emission_is_inside(solver, place)) continue;
-    e->guided[e->head.guided_count + written] = guided;
+    guided[written] = guided[j];
+    guided[written].id = (uint32_t)solver->next_id + written;
     for (uint32_t k = 0; k < n; ++k) {
       pbf_emission_put(solver, e->particles, (uint64_t)written * n + k, place[k]);
-      pbf_emission_put(solver, velocities, (uint64_t)written * n + k,
-                       b->opening.emitter->velocity[k]);
+      pbf_emission_put(solver, velocities, (uint64_t)written * n + k, guided[j].velocity[k]);
     }
     ++written;
   }
@@ -261,10 +271,12 @@ static pbf_status guide(pbf_solver *solver, pbf_emission *e) {
   uint32_t kept = 0, first = UINT32_MAX, last = 0;
   const double since = solver->part > 0 ? pbf_part_time_step(solver) : solver->params.time_step;
   for (uint32_t i = 0; i < e->head.source_count; ++i) streams[i] = batch_of(solver, &e->sources[i]);
+  for (uint32_t i = 0; i < e->head.guided_count && !e->is_advanced; ++i)
+    e->guided[i].ahead += streams[e->guided[i].source].opening.speed * since;
+  pbf_guided_meet_solids(solver, e->guided, e->head.guided_count, PBF_GUIDED_IS_LET_GO);
   for (uint32_t i = 0; i < e->head.guided_count; ++i) {
-    pbf_guided g = e->guided[i];
+    const pbf_guided g = e->guided[i];
     uint32_t row;
-    if (!e->is_advanced) g.ahead += streams[g.source].opening.speed * since;
     if (g.ahead > solver->params.smoothing_radius || !pbf_ids_find(solver, g.id, &row)) continue;
     first = row < first ? row : first;
     last = row > last ? row : last;
@@ -298,7 +310,9 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
   if (status == PBF_OK) status = pbf_emission_reserve(solver, e, count);
   if (status == PBF_OK) status = reserve_guided(solver, e, (uint32_t)count);
   if (status == PBF_OK && count > 0) {
-    written = write_batch(solver, e, &b, (uint32_t)(source - e->sources), source->number, count);
+    pbf_guided *guided = e->guided + e->head.guided_count;
+    begin_batch(solver, &b, (uint32_t)(source - e->sources), source->number, count, guided);
+    written = write_batch(solver, e, count, guided);
     status = add_batch(solver, e, source, written,
                        (char *)e->particles + count * pbf_point_bytes(solver));
   }
