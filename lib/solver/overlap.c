@@ -66,13 +66,11 @@ static double reference_now(const pbf_solver *solver, double left) {
 /* Of what steps have left, those that leave less are to make no velocity; and where they leave more
  * the fluid is not to fall until it is pressed together as far. What would be pressed by more than
  * a twentieth is not at rest: there the length of steps alone counts. */
-static void note_change(pbf_solver *solver, double time_step, double error) {
+static void note_left(pbf_solver *solver, double before, double now, double ratio) {
   const double most_parts = 64; /* of small errors that would be noise */
   const double most_at_rest = 0.05;
   pbf_overlap_state *o = &solver->overlap;
-  const double before = left_by(solver, o->error, o->most, o->left);
-  const double now = left_by(solver, error, fmax(o->most, error), 0);
-  const double reference = reference_now(solver, before), ratio = time_step / o->time_step;
+  const double reference = reference_now(solver, before);
   const int rests = reference > 0 && before <= most_at_rest && now <= most_at_rest;
   o->reference = rests ? reference : now;
   o->left = now;
@@ -83,6 +81,13 @@ static void note_change(pbf_solver *solver, double time_step, double error) {
   found->now = fmin(rests ? now / reference : ratio * ratio, most_parts);
   found->least = rests ? now : 0;
   found->part = found->before > 0 ? 1 - fmin(found->now / found->before, most_parts) : -1;
+}
+
+static void note_change(pbf_solver *solver, double time_step, double error) {
+  const pbf_overlap_state *o = &solver->overlap;
+  const double before = left_by(solver, o->error, o->most, o->left);
+  const double now = left_by(solver, error, fmax(o->most, error), 0);
+  note_left(solver, before, now, time_step / o->time_step);
 }
 
 /* Of what overlaps, a unit of time: never so small that a time by it is none that can be saved, as
@@ -109,6 +114,19 @@ void pbf_overlap_note_step(pbf_solver *solver, double time_step) {
   o->time_step = time_step;
   o->error = error;
   o->most = fmax(o->most, error);
+}
+
+double pbf_overlap_steps_leave(pbf_solver *solver) {
+  const pbf_overlap_state *o = &solver->overlap;
+  return left_by(solver, o->error, o->most, o->left);
+}
+
+void pbf_overlap_note_grid(pbf_solver *solver, double before) {
+  pbf_overlap_state *o = &solver->overlap;
+  if (!o->moved || !(o->time_step > 0)) return;
+  note_left(solver, before, pbf_overlap_steps_leave(solver), 1);
+  o->since = pbf_solver_time(solver);
+  o->rate = 5 * rate_of(&solver->params, solver->kind.dimension);
 }
 
 void pbf_overlap_note_walls(pbf_solver *solver) {

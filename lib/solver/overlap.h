@@ -20,6 +20,10 @@ void pbf_overlap_note_walls(pbf_solver *solver);
 /* The next step has this length: those before may have been much longer. */
 void pbf_overlap_note_step(pbf_solver *solver, double time_step);
 
+/* A pressure grid comes or goes by what the caller says: steps left so much before. */
+double pbf_overlap_steps_leave(pbf_solver *solver);
+void pbf_overlap_note_grid(pbf_solver *solver, double before);
+
 /* Nothing overlaps any more. */
 pbf_status pbf_overlap_forget(pbf_solver *solver);
 

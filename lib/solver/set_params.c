@@ -2,6 +2,7 @@
 
 #include "backend_call.h"
 #include "handles.h"
+#include "overlap.h"
 #include "params.h"
 #include "particles/phases.h"
 #include "prestabilize.h"
@@ -26,11 +27,15 @@ static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {
   pbf_status status = pbf_params_in(theirs, &params);
   if (status == PBF_OK) status = pbf_params_check(&params, solver->kind, pbf_solver_time(solver));
   if (status == PBF_OK) status = pbf_phases_check_params(solver->phases, &params);
-  if (status == PBF_OK) status = pbf_params_to_backend(solver, &params);
+  if (status != PBF_OK) return status;
+  const int other_grid = params.pressure_grid != solver->params.pressure_grid;
+  const double left = other_grid ? pbf_overlap_steps_leave(solver) : 0;
+  status = pbf_params_to_backend(solver, &params);
   if (status != PBF_OK) return status;
   if (params.time_step != solver->params.time_step) pbf_solver_rebase_time(solver);
   pbf_note_params(solver, &params);
   solver->params = params;
+  if (other_grid) pbf_overlap_note_grid(solver, left);
   solver->step_length_checked = 0;
   return PBF_OK;
 }

@@ -383,6 +383,30 @@ static void weights_that_change_stir_nothing(void **state) {
   test_for_long_kinds(check_weights);
 }
 
+/* A grid that the caller gives or takes away: 16 layers moved at 0.14 (2D) and 0.17 sqrt(g d). */
+static void check_grids(uint32_t dimension, uint32_t precision) {
+  const double widths[] = {0, 2}, time_step = 1.0 / 120;
+  for (int to = 0; to < 2; ++to) {
+    pbf_solver *s = pool(dimension, precision, 16, time_step);
+    pbf_params params = {.struct_size = sizeof params};
+    assert_ok(pbf_get_params(s, &params));
+    params.pressure_grid = widths[!to];
+    assert_ok(pbf_set_params(s, &params));
+    assert_ok(pbf_step(s, 400));
+    params.pressure_grid = widths[to];
+    assert_ok(pbf_set_params(s, &params));
+    const double most = most_unrest(s, time_step);
+    if (!(most <= 0.06)) fail_msg("%uD, a grid of %g h: %g sqrt(g d)", dimension, widths[to], most);
+    pbf_destroy(s);
+  }
+}
+
+static void grids_that_come_and_go_stir_nothing(void **state) {
+  (void)state;
+  test_skip_if_watched();
+  test_for_long_kinds(check_grids);
+}
+
 /* Without weight water at rest stays where it is but for what it moves at, however it was pressed:
  * it flew apart, to 1.7 times its height in two seconds. */
 static void check_pause(uint32_t dimension, uint32_t precision) {
@@ -517,6 +541,7 @@ int main(void) {
       cmocka_unit_test(steps_that_change_stir_nothing),
       cmocka_unit_test(steps_across_a_grid_stir_nothing),
       cmocka_unit_test(weights_that_change_stir_nothing),
+      cmocka_unit_test(grids_that_come_and_go_stir_nothing),
       cmocka_unit_test(a_pause_without_gravity_moves_nothing),
       cmocka_unit_test(a_saved_grid_goes_on),
       cmocka_unit_test(a_saved_overlap_goes_on),
