@@ -20,7 +20,7 @@ def content(path: str | os.PathLike[str], most: int | None, mark: bytes = b"") -
     """All of a file, a pipe or whatever the system can read. What does not begin with `mark` is read no
     further: a device may have no end, and what takes the bytes says that they are none of its own."""
     found = bytearray()
-    with open(path, "rb") as file:
+    with open(os.fspath(path), "rb") as file:  # a number would be a descriptor of another file's
         while found[:len(mark)] == mark[:len(found)]:
             part = file.read(1 << 20)
             found += part

@@ -13,6 +13,14 @@ from ._numbers import UINT32_MAX, real, uint32
 from .progress import progress_of
 
 
+def _starts(thread: threading.Thread) -> bool:
+    try:
+        thread.start()
+    except RuntimeError:  # of Python's, where the system has no more threads for this user
+        return False
+    return True
+
+
 class Steps(Handle):
     """How a solver steps."""
 
@@ -20,32 +28,38 @@ class Steps(Handle):
         """Runs so many time steps. Ctrl-C ends a call of several between two of them; what is done
         stands. A GPU works on after the call: whatever reads waits for it."""
         steps = uint32("steps", steps)
-        if steps > 1 and threading.current_thread() is threading.main_thread():
-            self._step_interruptibly(steps)
-        else:
+        if steps <= 1 or threading.current_thread() is not threading.main_thread():
             self._call(lib.pbf_step, steps)
+        elif not self._step_interruptibly(steps):
+            for _ in range(steps):
+                self._call(lib.pbf_step, 1)
 
-    def _step_interruptibly(self, steps: int) -> None:
+    def _step_interruptibly(self, steps: int) -> bool:
         """The library's own thread runs the steps, another begins and ends them in C, which no
-        interrupt can come between, and this one waits where Python's signal handlers run."""
+        interrupt can come between, and this one waits where Python's signal handlers run. False where
+        the system gives no thread: nothing has been done then."""
         failures: list[Error] = []
+        refused = False
         handle, gate = self.handle, threading.Lock()
         begun, given_up, ended = threading.Event(), threading.Event(), threading.Event()
 
         def work() -> None:
+            nonlocal refused
             with gate:
                 if given_up.is_set():
                     return
                 begun.set()
                 status = lib.pbf_begin_step(handle, steps)
+            refused = status == lib.PBF_ERROR_OUT_OF_MEMORY
             if not status:
                 status = lib.pbf_end_step(handle)
-            if status:
+            if status and not refused:
                 failures.append(last_error(status))
             ended.set()
 
         try:
-            threading.Thread(target=work, name="pbf-step", daemon=True).start()
+            if not _starts(threading.Thread(target=work, name="pbf-step", daemon=True)):
+                return False
             ended.wait()  # Thread.join takes a thread that it is interrupted in for ended
         except BaseException:
             given_up.set()
@@ -57,6 +71,7 @@ class Steps(Handle):
         if failures:
             raise failures[0]
         self._callbacks.reraise()
+        return not refused
 
     def begin_step(self, steps: int = 1) -> None:
         """Has steps run beside what this thread does next; `end_step` waits for them, and raises

@@ -136,6 +136,43 @@ def test_other_threads_run_meanwhile(make):
     assert fluid.steps_done == 30 and counted > 5
 
 
+WITHOUT_THREADS = """
+import os, resource, sys, threading
+import pbf
+fluid = pbf.Solver([[0.5, 0.5, 0.5], [0.52, 0.5, 0.5]], backend=sys.argv[2])
+if os.getuid() == 0:
+    os.setuid(65534)  # root may have as many as it likes
+
+def no_more():
+    resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
+
+if sys.argv[1] == "its own":
+    run = threading.Thread.run
+    threading.Thread.run = lambda thread: (no_more(), run(thread))
+else:
+    no_more()
+fluid.step(5)
+print(fluid.info.step, fluid.hash)
+"""
+
+
+@pytest.mark.parametrize("which", ["Python's", "its own"])
+def test_steps_without_threads(make, which):
+    """Where the system gives none, the thread that calls runs them."""
+    pytest.importorskip("resource")
+    fluid = make([[0.5, 0.5, 0.5], [0.52, 0.5, 0.5]])
+    fluid.step(5)
+    command = [sys.executable, "-c", WITHOUT_THREADS, which, BACKEND]
+    child = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert child.stderr == "" and child.stdout.split() == ["5", str(fluid.hash)]
+
+
+def test_a_number_is_no_file():
+    for number in (0, 987654):
+        with pytest.raises(TypeError):
+            pbf.Solver.restore(number)
+
+
 def test_busy_and_cancel(dam):
     with pytest.raises(pbf.StateError, match="pbf_begin_step"):
         dam.end_step()
