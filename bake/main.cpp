@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/command_line.h"
 #include "core/content.h"
 #include "core/error.h"
 #include "core/failure_message.h"
@@ -214,7 +215,7 @@ int run(const Options &options) {
 
 int run_command(CLI::App &app, const Options &options, int argc, char **argv) {
   try {
-    app.parse(argc, argv);
+    bench::parse(app, argc, argv);
     return run(options);
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? 0 : exit_usage;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "commands/commands.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/failure_message.h"
 #include "core/solver.h"
@@ -24,7 +25,7 @@ int run_parsed(CLI::App &app, int argc, char **argv) {
   std::vector<std::pair<CLI::App *, Command>> commands;
   for (const AddCommand add : add_commands) commands.push_back(add(app));
   try {
-    app.parse(argc, argv);
+    parse(app, argc, argv);
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? exit_ok : exit_usage;
   }

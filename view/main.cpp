@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "commands/options.h"
+#include "core/command_line.h"
 #include "core/error.h"
 #include "core/failure_message.h"
 #include "core/number_option.h"
@@ -88,7 +89,7 @@ int main(int argc, char **argv) {
   Options options;
   add_options(app, options);
   try {
-    app.parse(argc, argv);
+    bench::parse(app, argc, argv);
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? bench::exit_ok : bench::exit_usage;
   }

@@ -36,6 +36,9 @@ void wrong_command_lines_exit_with_2(void **) {
       {"run --scene dam-break-2d --backend reference --finer nan", "nan is not a number of 0.01"},
       {"run --scene dam-break-2d --backend reference --fastest nan", "nan is not a number of at"},
       {"run --scene dam-break-2d --backend reference --fastest inf", "inf is not a number of at"},
+      {"run --scene dam-break-2d --backend reference --csv ''", "--csv: its value is empty"},
+      {"run --scene dam-break-2d --backend reference --dump ''", "--dump: its value is empty"},
+      {"--plugin '' list", "--plugin: its value is empty"},
       {"pareto --patience nan", "nan is not a number above 0"},
       {"speedup --backends serial,serial", "stands twice"},
   };
