@@ -58,18 +58,19 @@ struct near_surfaces {
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {
   enum { SLOTS = 4 };
-  pbf_load_tally *tally;
+  const worker *w;
+  const pbf_load_scales *scales;
   int solid[SLOTS];
+  load_measure measures[SLOTS];
   pbf_load_sums sums[SLOTS];
 
-  void begin(pbf_load_tally *to) {
-    tally = to;
-    for (int &of : solid) of = -1;
+  recent_loads(const worker *of, const pbf_load_scales *by) : w(of), scales(by) {
+    for (int &none : solid) none = -1;
   }
 
   void flush(int slot) {
     if (solid[slot] < 0) return;
-    pbf_load_sums *to = &tally->sums[solid[slot]];
+    pbf_load_sums *to = &w->s->load_tally->sums[solid[slot]];
     const pbf_load_sums *from = &sums[slot];
     for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_to_shared(&to->of[k], from->of[k]);
     __atomic_fetch_add(&to->contacts, from->contacts, __ATOMIC_RELAXED);
@@ -81,14 +82,30 @@ struct recent_loads {
     solid[slot] = -1;
   }
 
-  pbf_load_sums *of(int wanted) {
+  int slot_of(int wanted) {
     const int slot = wanted % SLOTS;
     if (solid[slot] != wanted) {
       flush(slot);
       solid[slot] = wanted;
+      measures[slot] = load_measure_of(scales, w->obstacles, wanted);
       memset(&sums[slot], 0, sizeof sums[slot]);
     }
-    return &sums[slot];
+    return slot;
+  }
+
+  /* *last is the solid that the particle has touched last. */
+  void add(const pbf_load_plane &plane, pbf_vec x, const load_share &share, int *last) {
+    const int slot = slot_of(plane.solid);
+    const load_numbers part = load_numbers_of(scales, measures[slot], x, plane, share);
+    add_numbers(&sums[slot], measures[slot], part, part.touches && plane.solid != *last);
+    if (part.touches) *last = plane.solid;
+  }
+
+  /* A force beside pushes. */
+  void add_beside(const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
+    const int slot = slot_of(plane.solid);
+    const load_numbers part = load_numbers_of(scales, measures[slot], x, plane, share);
+    add_numbers(&sums[slot], measures[slot], without_wet(part), false);
   }
 
   void end() {
@@ -152,8 +169,7 @@ static void friction_task(void *context, uint32_t task) {
       pbf_friction_scales_of(&w->constants, &w->forces, &s->params, s->table.list);
   const range all = task_sorted(w, task);
   const field to = w->b.sheared_x();
-  recent_loads loads;
-  loads.begin(s->load_tally);
+  recent_loads loads(w, &scales.loads);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last)) {
     each_near_surfaces(w, scales.loads.reach, r, [&](const near_surfaces &near, range some) {
@@ -166,11 +182,7 @@ static void friction_task(void *context, uint32_t task) {
           change = friction_change(
               &w->constants, scales, w->obstacles, near, p, [&] { return grid_lambda_of(w, i); },
               [&](const pbf_load_plane &plane, const load_share &share) {
-                if (finds_loads(s))
-                  add_part(loads.of(plane.solid),
-                           load_part_beside(&scales.loads, w->obstacles, p.x, plane,
-                                            with_mass(share, mobility)),
-                           false);
+                if (finds_loads(s)) loads.add_beside(plane, p.x, with_mass(share, mobility));
               });
         field_set(&w->b.v, i, pbf_add_scaled(p.change, 1, change));
         field_set(&to, i, pbf_add_scaled(p.x, w->forces.time_step, change));
@@ -194,20 +206,17 @@ static void adhesion_task(void *context, uint32_t task) {
       pbf_adhesion_scales_of(&w->constants, &w->forces, &s->params, s->table.list);
   const pbf_real *missing = missing_neighbors_of(s);
   const range all = task_sorted(w, task);
-  recent_loads loads;
-  loads.begin(s->load_tally);
+  recent_loads loads(w, &scales.loads);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     each_near_surfaces(w, scales.loads.reach, r, [&](const near_surfaces &near, range some) {
       for (uint32_t i = some.first; i < some.last && near.any; ++i) {
         const pbf_vec x = field_at(&w->b.x, i);
-        const pbf_vec change = adhesion_change(
-            &w->constants, scales, w->obstacles, near, x, missing[i],
-            [&](const pbf_load_plane &plane, const load_share &share) {
-              if (finds_loads(s))
-                add_part(loads.of(plane.solid),
-                         load_part_beside(&scales.loads, w->obstacles, x, plane, share), false);
-            });
+        const pbf_vec change =
+            adhesion_change(&w->constants, scales, w->obstacles, near, x, missing[i],
+                            [&](const pbf_load_plane &plane, const load_share &share) {
+                              if (finds_loads(s)) loads.add_beside(plane, x, share);
+                            });
         field_set(&w->b.v, i, pbf_add_scaled(field_at(&w->b.v, i), 1, change));
       }
     });
@@ -215,28 +224,27 @@ static void adhesion_task(void *context, uint32_t task) {
 }
 
 /* What the grid's pressure in the i-th cell along each axis does to solids. */
-static void add_grid_loads(const worker *w, const pbf_load_scales &scales, const int i[PBF_DIM],
+static void add_grid_loads(const worker *w, const grid_load_cubes &cubes, const int i[PBF_DIM],
                            recent_loads *loads) {
   const pbf_pressure_grid *c = &w->s->pressure_grid.grid;
   const pbf_vec middle = pbf_cell_middle(c, i);
   pbf_vec half;
   near_surfaces near;
-  int points = 1;
-  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
   for (int k = 0; k < PBF_DIM; ++k) half.c[k] = (pbf_real)(0.5 * c->width);
   near.find_between(&w->obstacles, pbf_sub(middle, half), pbf_add_scaled(middle, 1, half),
-                    (pbf_real)pbf_grid_load_reach(scales.spacing));
-  for (int point = 0; point < points && near.any; ++point)
+                    (pbf_real)pbf_grid_load_reach(loads->scales->spacing));
+  if (!near.any) return;
+  each_grid_load_point(c, cubes.points, i, [&](pbf_vec x) {
     share_grid_pressure_around(
-        &scales, c, w->obstacles, near, grid_load_point(c, i, point),
-        [&](pbf_vec x, double slope[]) {
-          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, x,
-                                            grid_load_cube(c), slope);
+        loads->scales, cubes, w->obstacles, near, x,
+        [&](pbf_vec at, double slope[]) {
+          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, at,
+                                            cubes.part, slope);
         },
-        [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
-          add_part(loads->of(plane.solid), load_part_beside(&scales, w->obstacles, x, plane, share),
-                   false);
+        [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
+          loads->add_beside(plane, at, share);
         });
+  });
 }
 
 /* On ranks, which have all of the grid, each looks at some of the cells. */
@@ -251,12 +259,12 @@ static bool is_load_cell(const worker *w, uint32_t cell, int i[PBF_DIM]) {
 static void grid_loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
+  const grid_load_cubes cubes = grid_load_cubes_of(&scales, &w->s->pressure_grid.grid);
   const range cells = part_of(w->s->pressure_grid.grid.nodes, task, pair_task_count(w));
-  recent_loads loads;
-  loads.begin(w->s->load_tally);
+  recent_loads loads(w, &scales);
   for (uint32_t cell = cells.first; cell < cells.last; ++cell) {
     int i[PBF_DIM];
-    if (is_load_cell(w, cell, i)) add_grid_loads(w, scales, i, &loads);
+    if (is_load_cell(w, cell, i)) add_grid_loads(w, cubes, i, &loads);
   }
   loads.end();
 }
@@ -266,8 +274,7 @@ static void loads_task(void *context, uint32_t task) {
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
   const range all = task_sorted(w, task);
   pbf_wide_sum change[PBF_DIM] = {};
-  recent_loads loads;
-  loads.begin(w->s->load_tally);
+  recent_loads loads(w, &scales);
   each_near_surfaces(w, scales.reach, all, [&](const near_surfaces &near, range some) {
     for (uint32_t i = some.first; i < some.last; ++i) {
       load_particle p = load_momentum_at(w, &scales, near, i);
@@ -279,9 +286,7 @@ static void loads_task(void *context, uint32_t task) {
       share_push(
           &w->constants, &scales, w->obstacles, near, p, [] { return (pbf_real)0; },
           [&](const pbf_load_plane &plane, const load_share &share) {
-            const load_part part = load_part_of(&scales, w->obstacles, p.x, plane, share);
-            add_part(loads.of(plane.solid), part, part.touches && plane.solid != last);
-            if (part.touches) last = plane.solid;
+            loads.add(plane, p.x, share, &last);
           });
     }
   });

@@ -90,8 +90,7 @@ static void no_slip_loads_task(void *context, uint32_t task) {
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &s->params);
   const pbf_no_slip no_slip = pbf_no_slip_of(&s->params, s->table.list);
   const range all = task_sorted(w, task);
-  recent_loads loads;
-  loads.begin(s->load_tally);
+  recent_loads loads(w, &scales);
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     for (uint32_t i = r.first; i < r.last; ++i) {
@@ -102,9 +101,7 @@ static void no_slip_loads_task(void *context, uint32_t task) {
       share_no_slip(
           &w->constants, near, no_slip, x, v,
           [&](const pbf_load_plane &plane, const load_share &share) {
-            const load_share part = s->mobility ? with_mass(share, s->mobility[i]) : share;
-            add_part(loads.of(plane.solid), load_part_beside(&scales, w->obstacles, x, plane, part),
-                     false);
+            loads.add_beside(plane, x, s->mobility ? with_mass(share, s->mobility[i]) : share);
           },
           w->b.sorted_phase ? w->constants.phases.viscosity[w->b.sorted_phase[i]] : 1);
     }

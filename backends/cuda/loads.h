@@ -336,14 +336,15 @@ static __global__ void __launch_bounds__(GRID_LOADS_BLOCK)
   pbf_pressure_grid_place(c, cell, i);
   if (!pbf_cell_is_inside(c, i)) return;
   begin_wall_sums(&walls);
-  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
+  const grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
+  for (int k = 0; k < PBF_DIM; ++k) points *= cubes.points;
   for (int point = (int)threadIdx.x; point < points; point += (int)blockDim.x) {
-    const pbf_vec x = grid_load_point(c, i, point);
+    const pbf_vec x = grid_load_point(c, cubes.points, i, point);
     share_grid_pressure_around(
-        &scales, c, o,
+        &scales, cubes, o,
         solids_near<LISTED>(o, x, pbf_grid_load_reach(scales.spacing) + 0.5 * scales.spacing), x,
         [&](pbf_vec at, double slope[]) {
-          return grid_pressure_sloped(source.grid, at, grid_load_cube(c), slope);
+          return grid_pressure_sloped(source.grid, at, cubes.part, slope);
         },
         [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
           pbf_load_sums *to =

@@ -114,7 +114,7 @@ PBF_FN void grid_load_psi_at(const pbf_load_plane *of, int count, double spacing
   for (int k = 0; k < count; ++k) {
     const double distance = (double)of[k].distance + along * (double)of[k].normal.c[axis];
     const double fall = is_across(of[k], axis) ? grid_load_fall(spacing, width, distance) : 0;
-    const double weight = fall / pbf_max(distance, 0.01 * spacing);
+    const double weight = fall > 0 ? fall / pbf_max(distance, 0.01 * spacing) : 0;
     psi[k] = fall * weight;
     sum += weight;
   }
@@ -171,14 +171,27 @@ PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o,
   }
 }
 
+enum { PBF_GRID_LOAD_POINTS = 32 };
+
 /* Points along an axis of a cell, at most a spacing apart and in 2D half of one. */
 PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
   const double points = (PBF_DIM == 2 ? 2 : 1) * ceil(1 / c->spacing - 1e-6);
-  return (int)pbf_max(1, pbf_min(points, 32));
+  return (int)pbf_max(1, pbf_min(points, PBF_GRID_LOAD_POINTS));
 }
 
-/* What a point stands for, in cells. */
-PBF_FN double grid_load_cube(const pbf_pressure_grid *c) { return 1.0 / grid_load_points(c); }
+/* What points stand for, which is the same for all of them. */
+struct grid_load_cubes {
+  int points;       /* along an axis of a cell */
+  double part;      /* of a cell, along an axis */
+  double width;     /* along an axis */
+  double particles; /* that fill it */
+};
+
+PBF_FN grid_load_cubes grid_load_cubes_of(const pbf_load_scales *s, const pbf_pressure_grid *c) {
+  const int points = grid_load_points(c);
+  const double part = 1.0 / points, width = c->width * part;
+  return {points, part, width, (PBF_DIM == 3 ? width : 1) * width * width / s->mass};
+}
 
 /* What of a cube of this width around x is free of solids, and those that are within reach of it.
  * Moves `at` out of the nearest. */
@@ -208,32 +221,51 @@ PBF_FN grid_load_free grid_load_free_part(const Obstacles &o, const Near &near, 
   return free;
 }
 
+/* Where the n-th point of the i-th cell along an axis is. */
+PBF_FN pbf_real grid_load_place(const pbf_pressure_grid *c, int points, int axis, int i, int n) {
+  return (pbf_real)(c->lower[axis] + (i - 1 + (n + 0.5) / points) * c->width);
+}
+
 /* A point of the cell that is the i-th along each axis. */
-PBF_FN pbf_vec grid_load_point(const pbf_pressure_grid *c, const int i[PBF_DIM], int point) {
-  const int points = grid_load_points(c);
+PBF_FN pbf_vec grid_load_point(const pbf_pressure_grid *c, int points, const int i[PBF_DIM],
+                               int point) {
   pbf_vec x;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const double at = (point % points + 0.5) / points;
-    x.c[k] = (pbf_real)(c->lower[k] + (i[k] - 1 + at) * c->width);
+    x.c[k] = grid_load_place(c, points, k, i[k], point % points);
     point /= points;
   }
   return x;
 }
 
+/* Calls visit(x) for all of them, in the order of their numbers. */
+template <class Visit>
+PBF_FN void each_grid_load_point(const pbf_pressure_grid *c, int points, const int i[PBF_DIM],
+                                 Visit visit) {
+  pbf_real places[PBF_DIM][PBF_GRID_LOAD_POINTS];
+  int n[PBF_DIM] = {0}, k = 0;
+  for (int axis = 0; axis < PBF_DIM; ++axis)
+    for (int at = 0; at < points; ++at)
+      places[axis][at] = grid_load_place(c, points, axis, i[axis], at);
+  while (k < PBF_DIM) {
+    pbf_vec x;
+    for (int axis = 0; axis < PBF_DIM; ++axis) x.c[axis] = places[axis][n[axis]];
+    visit(x);
+    for (k = 0; k < PBF_DIM && ++n[k] == points; ++k) n[k] = 0;
+  }
+}
+
 /* Calls take(plane, x, share) for each solid that the grid's pressure in the cube around a point
  * presses on, as a particle that stands for it would. */
 template <class Obstacles, class Near, class Pressure, class Take>
-PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_pressure_grid *c,
+PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const grid_load_cubes &cubes,
                                        const Obstacles &o, const Near &near, pbf_vec x,
                                        Pressure pressure, Take take) {
-  const double width = c->width * grid_load_cube(c);
   grid_load_solids found;
   pbf_vec at;
-  const grid_load_free free = grid_load_free_part(o, near, s->spacing, width, x, &at, &found);
+  const grid_load_free free = grid_load_free_part(o, near, s->spacing, cubes.width, x, &at, &found);
   if (!(free.all > 0) || !found.count) return;
-  const double particles = (PBF_DIM == 3 ? width : 1) * width * width / s->mass;
   share_grid_pressure(
-      s, o, found, free, x, at, width, particles, pressure,
+      s, o, found, free, x, at, cubes.width, cubes.particles, pressure,
       [&](const pbf_load_plane &plane, const load_share &share) { take(plane, at, share); });
 }
 

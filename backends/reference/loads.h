@@ -111,23 +111,24 @@ static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const
 static inline void find_grid_loads(solver *s, const pbf_load_scales &scales,
                                    const pbf_obstacles *o) {
   const pbf_pressure_grid *c = &s->pressure_grid.grid;
-  int points = 1, i[PBF_DIM];
-  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(c);
+  const grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
+  int i[PBF_DIM];
   for (uint32_t cell = 0; cell < c->nodes; ++cell) {
     pbf_pressure_grid_place(c, cell, i);
     if (!pbf_cell_is_inside(c, i) || !pbf_pressure_grid_has_pressure(&s->pressure_grid, cell))
       continue;
-    for (int point = 0; point < points; ++point)
+    each_grid_load_point(c, cubes.points, i, [&](pbf_vec x) {
       share_grid_pressure_around(
-          &scales, c, *o, all_surfaces{}, grid_load_point(c, i, point),
-          [&](pbf_vec x, double slope[]) {
-            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, x,
-                                              grid_load_cube(c), slope);
+          &scales, cubes, *o, all_surfaces{}, x,
+          [&](pbf_vec at, double slope[]) {
+            return pbf_pressure_grid_pressure(&s->pressure_grid, s->params.time_step, at,
+                                              cubes.part, slope);
           },
-          [&](const pbf_load_plane &plane, pbf_vec x, const load_share &share) {
+          [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
             add_part(&s->load_tally->sums[plane.solid],
-                     load_part_beside(&scales, *o, x, plane, share), false);
+                     load_part_beside(&scales, *o, at, plane, share), false);
           });
+    });
   }
 }
 

@@ -45,6 +45,7 @@ static all_loads loads_of(double level, int count, const pbf_surface *surfaces) 
   s.spacing = spacing;
   s.mass = 1;
   s.time_step = 1;
+  const grid_load_cubes cubes = grid_load_cubes_of(&s, &c);
   all_loads all = {{{0}}, {{0}}};
   const pbf_pressure_grid_topology whole = {};
   double *lambda = lambda_of_water(&c, level);
@@ -52,25 +53,25 @@ static all_loads loads_of(double level, int count, const pbf_surface *surfaces) 
     double at[PBF_DIM];
     const uint32_t cell = pbf_pressure_grid_cell(&c, x, at);
     const double p =
-        -pbf_pressure_grid_lambda_sloped(&c, &whole, lambda, cell, at, grid_load_cube(&c), slope);
+        -pbf_pressure_grid_lambda_sloped(&c, &whole, lambda, cell, at, cubes.part, slope);
     for (int k = 0; k < PBF_DIM; ++k) slope[k] = -slope[k];
     return p;
   };
-  int points = 1;
-  for (int k = 0; k < PBF_DIM; ++k) points *= grid_load_points(&c);
   for (uint32_t cell = 0; cell < c.nodes; ++cell) {
     int i[PBF_DIM], inside = 1;
     pbf_pressure_grid_place(&c, cell, i);
     for (int k = 0; k < PBF_DIM; ++k) inside = inside && i[k] > 0 && i[k] <= c.n[k];
-    for (int point = 0; inside && point < points; ++point)
+    if (!inside) continue;
+    each_grid_load_point(&c, cubes.points, i, [&](pbf_vec x) {
       share_grid_pressure_around(
-          &s, &c, o, all_surfaces(), grid_load_point(&c, i, point), pressure_of_water,
+          &s, cubes, o, all_surfaces(), x, pressure_of_water,
           [&](const pbf_load_plane &plane, pbf_vec, const load_share &share) {
             for (int k = 0; k < PBF_DIM; ++k) {
               all.force[plane.solid][k] -= share.change[k];
               all.open[plane.solid][k] -= share.open[k] / spacing;
             }
           });
+    });
   }
   free(lambda);
   return all;
