@@ -22,9 +22,22 @@ typedef struct pbf_near_face {
 
 typedef struct pbf_near_faces {
   int count;
-  int edges; /* of solids that are near, but not yet added up */
   pbf_near_face of[PBF_NEAR_FACES];
 } pbf_near_faces;
+
+/* The planes through edges of solids that are near, which count once all faces are known. GPUs,
+ * where each thread would have to hold them, keep their number alone, and find them anew. */
+enum { PBF_KEEPS_EDGES = !PBF_ON_GPU, PBF_NEAR_EDGES = 8 };
+
+typedef struct pbf_near_edges {
+  int count; /* of all */
+  pbf_near_face of[PBF_NEAR_EDGES];
+} pbf_near_edges;
+
+PBF_FN void pbf_note_edge(const pbf_near_face *edge, pbf_near_edges *edges) {
+  if (PBF_KEEPS_EDGES && edges->count < PBF_NEAR_EDGES) edges->of[edges->count] = *edge;
+  edges->count += 1;
+}
 
 /* The part of an edge's plane that a face leaves, from 0 where the edge is on the face or behind
  * it, to 1 where both planes are at right angles. From places on the face, or behind it, little can

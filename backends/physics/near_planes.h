@@ -42,11 +42,11 @@ PBF_FN_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s
 }
 
 /* Visits the planes of a surface within reach, but for those of fields and flat faces, which are
- * put among the others, and edges, which are counted. */
+ * put among the others, and edges, which are noted. */
 template <class Surface, class Each, class Visit>
 PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
-                             pbf_real reach, pbf_near_faces *faces, pbf_field_planes *of_fields,
-                             Each each, Visit visit) {
+                             pbf_real reach, pbf_near_faces *faces, pbf_near_edges *edges,
+                             pbf_field_planes *of_fields, Each each, Visit visit) {
   if (pbf_surface_is_beyond(s, x, reach)) return;
   if (pbf_surface_is_field(s)) {
     of_fields->fields += 1;
@@ -62,10 +62,10 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
     pbf_nearest_part nearest;
     const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal, &nearest);
     if (!(distance < reach)) continue;
-    faces->edges += nearest == PBF_NEAREST_EDGE;
-    if (nearest == PBF_NEAREST_EDGE) continue;
     const pbf_near_face face = pbf_face_of_surface(s, solid, distance, normal);
-    if (nearest == PBF_NEAREST_FACE)
+    if (nearest == PBF_NEAREST_EDGE)
+      pbf_note_edge(&face, edges);
+    else if (nearest == PBF_NEAREST_FACE)
       pbf_put_face(&face, faces);
     else
       visit(face, 1);
@@ -121,15 +121,24 @@ template <class Each, class Visit>
 PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain, pbf_vec x,
                                 pbf_real reach, Each each, Visit visit) {
   pbf_near_faces faces;
+  pbf_near_edges edges;
   pbf_field_planes planes;
-  faces.count = faces.edges = planes.fields = planes.count = 0;
+  faces.count = edges.count = planes.fields = planes.count = 0;
   each([&](const auto &s, int solid) {
-    pbf_meet_surface(c, &s, solid, x, reach, &faces, &planes, each, visit);
+    pbf_meet_surface(c, &s, solid, x, reach, &faces, &edges, &planes, each, visit);
   });
   if (planes.count > 0) pbf_visit_field_planes(c, &planes, &faces, visit);
   for (int k = 0; k < faces.count; ++k) visit(faces.of[k], 1);
-  if (faces.edges == 0) return;
+  if (edges.count == 0) return;
   pbf_put_domain(c, domain, x, &faces);
+  if (PBF_KEEPS_EDGES && edges.count <= PBF_NEAR_EDGES && planes.fields == 0) {
+    for (int k = 0; k < edges.count; ++k) {
+      const pbf_near_face &edge = edges.of[k];
+      const pbf_real part = pbf_part_before_faces(c, &faces, edge.distance, edge.normal);
+      if (part > 0) visit(edge, part);
+    }
+    return;
+  }
   each([&](const auto &s, int solid) {
     pbf_visit_edge(c, &s, solid, x, reach, &faces, &planes, each, visit);
   });
