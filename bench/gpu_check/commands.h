@@ -4,8 +4,9 @@
 
 #include "scenes.h"
 
-/* Distances to the float64 reference, of the scenes of that name or, where it is null, of all.
- * Returns how many were too far. */
+/* Distances to the float64 reference, of the scenes of that name, of a part of them ("2d-f32",
+ * "2d-f64", "3d-f32", "3d-f64", "large") or, where it is null, of all. Returns how many were too
+ * far. */
 int verify_all(const char *name);
 
 /* Whether two runs, and one from a saved state, have the same bits. Returns how many had not. */

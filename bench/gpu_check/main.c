@@ -1,7 +1,8 @@
 /* Checks and times one backend (default "cuda") through the public API alone, for machines that
  * have a GPU and little else:
  *
- *   gpu_check verify [SCENE]      distance to the float64 reference, every kind of scene
+ *   gpu_check verify [SCENE|PART] distance to the float64 reference, every kind of scene; PART is
+ *                                 2d-f32, 2d-f64, 3d-f32, 3d-f64 or large
  *   gpu_check same                the same bits in two runs, and after saving and loading
  *   gpu_check exercise            every call and stage once, small, for compute-sanitizer
  *   gpu_check time SCENE N [H/D [EXTRA]]
@@ -23,7 +24,7 @@
 
 static int usage(void) {
   fprintf(stderr,
-          "usage: gpu_check verify [SCENE] | same | exercise | time SCENE N [H/D [f64 | "
+          "usage: gpu_check verify [SCENE | PART] | same | exercise | time SCENE N [H/D [f64 | "
           "optional parameter | periodic | emitter | drain | reservoir | flow]] | solids N COUNT "
           "box|hull|mesh [move]\n");
   return 2;

@@ -347,26 +347,41 @@ static void verify_large(kind *k) {
   verify(k, "shallow-dam-break-2d", &s, 50);
 }
 
+static void verify_kind(kind *k) {
+  verify_kernels(k);
+  verify_obstacles(k);
+  verify_viscosity(k);
+  verify_adhesion(k);
+  verify_containers(k);
+  verify_overflow(k);
+  verify_iterations(k);
+  verify_pull(k);
+  verify_torque(k);
+  verify_shear_stress(k);
+  verify_overfull(k);
+  verify_mirrors(k);
+  verify_places(k);
+  verify_crowding(k);
+}
+
 int verify_all(const char *name) {
+  static const struct {
+    const char *name;
+    uint32_t dim, precision;
+    void (*verify)(kind *k);
+  } parts[5] = {{"2d-f32", 2, PBF_FLOAT32, verify_kind},
+                {"2d-f64", 2, PBF_FLOAT64, verify_kind},
+                {"3d-f32", 3, PBF_FLOAT32, verify_kind},
+                {"3d-f64", 3, PBF_FLOAT64, verify_kind},
+                {"large", 3, PBF_FLOAT32, verify_large}};
   kind k = {.only = name};
-  for (k.dim = 2; k.dim <= 3; ++k.dim)
-    for (k.precision = PBF_FLOAT32; k.precision <= PBF_FLOAT64; k.precision += 4) {
-      verify_kernels(&k);
-      verify_obstacles(&k);
-      verify_viscosity(&k);
-      verify_adhesion(&k);
-      verify_containers(&k);
-      verify_overflow(&k);
-      verify_iterations(&k);
-      verify_pull(&k);
-      verify_torque(&k);
-      verify_shear_stress(&k);
-      verify_overfull(&k);
-      verify_mirrors(&k);
-      verify_places(&k);
-      verify_crowding(&k);
-    }
-  k.precision = PBF_FLOAT32;
-  verify_large(&k);
+  for (int part = 0; name && part < 5; ++part)
+    if (strcmp(name, parts[part].name) == 0) k.only = NULL;
+  for (int part = 0; part < 5; ++part) {
+    if (name && !k.only && strcmp(name, parts[part].name) != 0) continue;
+    k.dim = parts[part].dim;
+    k.precision = parts[part].precision;
+    parts[part].verify(&k);
+  }
   return k.failures;
 }
