@@ -24,6 +24,7 @@ pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission) {
     if (status != PBF_OK) return status;
     memset(memory, 0, sizeof **emission);
     solver->emission = memory;
+    solver->emission->work = &pbf_emission_in_steps;
   }
   *emission = solver->emission;
   return PBF_OK;

@@ -39,8 +39,29 @@ typedef struct pbf_emission_head {
   uint32_t reservoir_count;
 } pbf_emission_head;
 
+/* Their part in a step, and in positions that are set. */
+typedef struct pbf_emission_work {
+  /* What comes and goes before the next step, or the next part of one that is made part by part:
+   * each but the first begins by itself, and then they end. */
+  pbf_status (*prepare)(pbf_solver *solver);
+  void (*end_parts)(pbf_solver *solver);
+
+  double (*speed)(const pbf_solver *solver); /* the fastest stream's */
+
+  /* entering.h */
+  int (*find_entering)(const pbf_solver *solver, pbf_entering *entering);
+  pbf_status (*tell_entering)(pbf_solver *solver, const pbf_entering *entering);
+
+  /* guided.h */
+  pbf_status (*keep)(pbf_solver *solver, uint32_t first, uint32_t count);
+  void (*move)(pbf_solver *solver, uint32_t first, uint32_t count, const void *positions);
+} pbf_emission_work;
+
+extern const pbf_emission_work pbf_emission_in_steps;
+
 /* Null in a solver that never had any. */
 typedef struct pbf_emission {
+  const pbf_emission_work *work; /* so that programs that link libpbf and have none leave it out */
   pbf_emission_head head;
   pbf_source sources[PBF_MAX_EMITTERS];
   pbf_volume drains[PBF_MAX_DRAINS];
@@ -61,6 +82,10 @@ static inline int pbf_emission_is_active(const pbf_solver *solver) {
                   0;
 }
 
+static inline void pbf_emission_begin_part(pbf_solver *solver) {
+  if (solver->emission) solver->emission->head.stage = solver->emission->is_advanced = 0;
+}
+
 /* After the last stage, and so not beyond it where there have become fewer of them. */
 static inline void pbf_emission_bound_stage(pbf_emission *e) {
   const uint32_t end = e->head.source_count + 2 * e->head.reservoir_count + 1;
@@ -70,14 +95,5 @@ static inline void pbf_emission_bound_stage(pbf_emission *e) {
 /* The solver's, made where there is none. */
 pbf_status pbf_emission_need(pbf_solver *solver, pbf_emission **emission);
 void pbf_emission_free(pbf_solver *solver, pbf_emission *emission);
-
-/* What comes and goes before the next step, or the next part of one that is made part by
- * part: each but the first begins by itself, and then they end. */
-pbf_status pbf_emission_work(pbf_solver *solver);
-void pbf_emission_begin_part(pbf_solver *solver);
-void pbf_emission_end_parts(pbf_solver *solver);
-
-/* The fastest stream's. */
-double pbf_emission_speed(const pbf_solver *solver);
 
 #endif

@@ -15,8 +15,8 @@ static double part_outside(const pbf_solver *solver, const pbf_guided *g) {
 }
 
 static void begin(const pbf_solver *solver, pbf_entering *entering) {
-  const double spacings =
-      pbf_emission_speed(solver) * pbf_part_time_step(solver) / pbf_derive_spacing(&solver->params);
+  const double spacings = solver->emission->work->speed(solver) * pbf_part_time_step(solver) /
+                          pbf_derive_spacing(&solver->params);
   *entering = (pbf_entering){.struct_size = sizeof *entering, .first_id = UINT32_MAX};
   entering->kept = fmax(1 - 2 * spacings, 0); /* what lasts longer than its stream takes to enter
                                                  would press what comes next */
@@ -51,7 +51,7 @@ static uint32_t first_of_stream(const pbf_entering *entering) {
  * what solids and the stream contribute to their densities is allowed for until they are h away. */
 int pbf_emission_find_entering(const pbf_solver *solver, pbf_entering *entering) {
   const pbf_emission *e = solver->emission;
-  if (!e || e->head.guided_count == 0) return 0;
+  if (e->head.guided_count == 0) return 0;
   begin(solver, entering);
   for (uint32_t i = 0; i < e->head.guided_count; ++i) add(solver, &e->guided[i], entering);
   entering->stream_first_id = first_of_stream(entering);

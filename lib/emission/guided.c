@@ -108,7 +108,7 @@ static uint32_t find_among(const pbf_solver *solver, uint32_t first, uint32_t co
   const pbf_emission *e = solver->emission;
   uint32_t row, end = 0;
   *begin = UINT32_MAX;
-  for (uint32_t i = 0; e && i < e->head.guided_count; ++i) {
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) {
     if (!pbf_ids_find(solver, e->guided[i].id, &row) || row < first || row - first >= count)
       continue;
     *begin = row < *begin ? row : *begin;

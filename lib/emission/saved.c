@@ -188,6 +188,7 @@ static pbf_status allocate(pbf_solver *solver, const stored_head *stored, pbf_em
   if (status != PBF_OK) return status;
   memset(memory, 0, sizeof **made);
   *made = memory;
+  (*made)->work = &pbf_emission_in_steps;
   (*made)->head = stored->head;
   if (births > 0) {
     status = pbf_memory_allocate(allocator, births, "loading lifetimes", &memory);

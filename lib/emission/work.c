@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "emission.h"
+#include "entering.h"
 #include "guided.h"
 #include "memory.h"
 #include "new_particles.h"
@@ -327,16 +328,11 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
 
 /* ---- A step ---------------------------------------------------------------------------------- */
 
-void pbf_emission_begin_part(pbf_solver *solver) {
-  if (solver->emission) solver->emission->head.stage = solver->emission->is_advanced = 0;
-}
-
 /* The next step takes it that they have gone on for a whole one since they were set to their
  * places, and it was a part. */
-void pbf_emission_end_parts(pbf_solver *solver) {
+static void end_parts(pbf_solver *solver) {
   pbf_emission *e = solver->emission;
   const double d = pbf_derive_spacing(&solver->params);
-  if (!e) return;
   for (uint32_t i = 0; i < e->head.guided_count; ++i) {
     const pbf_emitter *emitter = &e->sources[e->guided[i].source].emitter;
     const double speed = pbf_opening_of(emitter, solver->kind.dimension, d).speed;
@@ -344,17 +340,17 @@ void pbf_emission_end_parts(pbf_solver *solver) {
   }
 }
 
-double pbf_emission_speed(const pbf_solver *solver) {
+static double speed(const pbf_solver *solver) {
   const pbf_emission *e = solver->emission;
   const double d = pbf_derive_spacing(&solver->params);
   double fastest = 0;
-  for (uint32_t i = 0; e && i < e->head.source_count; ++i)
+  for (uint32_t i = 0; i < e->head.source_count; ++i)
     fastest =
         fmax(fastest, pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension, d).speed);
   return fastest;
 }
 
-pbf_status pbf_emission_work(pbf_solver *solver) {
+static pbf_status prepare(pbf_solver *solver) {
   pbf_emission *e = solver->emission;
   pbf_status status = PBF_OK;
   if (!pbf_emission_is_active(solver)) return PBF_OK;
@@ -373,3 +369,11 @@ pbf_status pbf_emission_work(pbf_solver *solver) {
   }
   return status;
 }
+
+const pbf_emission_work pbf_emission_in_steps = {.prepare = prepare,
+                                                 .end_parts = end_parts,
+                                                 .speed = speed,
+                                                 .find_entering = pbf_emission_find_entering,
+                                                 .tell_entering = pbf_emission_tell_entering,
+                                                 .keep = pbf_guided_keep,
+                                                 .move = pbf_guided_move};

@@ -5,7 +5,7 @@
 
 #include "check.h"
 #include "elsewhere.h"
-#include "emission/guided.h"
+#include "emission/emission.h"
 #include "error.h"
 #include "memory.h"
 #include "solver/backend_call.h"
@@ -59,12 +59,14 @@ static pbf_status write_checked(pbf_solver *solver, uint32_t field, uint32_t fir
   if (count == 0) return PBF_OK;
   pbf_rows rows = pbf_ids_rows(solver, first, count);
   pbf_status status = PBF_OK;
-  if (field == PBF_FIELD_POSITION) status = pbf_guided_keep(solver, first, count);
+  const pbf_emission_work *emission =
+      solver->emission && field == PBF_FIELD_POSITION ? solver->emission->work : NULL;
+  if (emission) status = emission->keep(solver, first, count);
   if (status != PBF_OK) return status;
   status = solver->api.write(solver->backend, field, &rows, in);
   if (status == PBF_OK) ++solver->generation;
   if (status == PBF_OK && field == PBF_FIELD_POSITION) pbf_previous_set(solver, first, count, in);
-  if (status == PBF_OK && field == PBF_FIELD_POSITION) pbf_guided_move(solver, first, count, in);
+  if (status == PBF_OK && emission) emission->move(solver, first, count, in);
   return pbf_backend_result(solver, status, "write");
 }
 

@@ -6,7 +6,6 @@
 #include "backend_call.h"
 #include "diffuse/diffuse.h"
 #include "emission/emission.h"
-#include "emission/entering.h"
 #include "error.h"
 #include "handles.h"
 #include "look_ahead.h"
@@ -72,10 +71,12 @@ static uint32_t steps_at_once(const pbf_solver *solver, uint32_t steps) {
 
 /* What steps find overlapping. */
 static pbf_status tell_overlap(pbf_solver *solver, uint32_t *alike) {
+  const pbf_emission_work *work = solver->emission ? solver->emission->work : NULL;
   pbf_entering entering;
-  const int any = pbf_overlap_can_be_found(solver) && pbf_emission_find_entering(solver, &entering);
+  const int any =
+      work && pbf_overlap_can_be_found(solver) && work->find_entering(solver, &entering);
   pbf_status status = pbf_overlap_to_backend(solver, any ? &entering : NULL, alike);
-  if (status == PBF_OK && any) status = pbf_emission_tell_entering(solver, &entering);
+  if (status == PBF_OK && any) status = work->tell_entering(solver, &entering);
   return status;
 }
 
@@ -117,7 +118,8 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
 /* What comes and goes before each step, which are then made one at a time, and room for what
  * follows from that. */
 static pbf_status prepare(pbf_solver *solver, uint32_t *steps) {
-  pbf_status status = pbf_emission_work(solver);
+  pbf_status status = PBF_OK;
+  if (solver->emission) status = solver->emission->work->prepare(solver);
   if (pbf_emission_is_active(solver)) *steps = 1;
   if (status == PBF_OK && solver->diffuse) status = solver->diffuse->work->prepare(solver, steps);
   if (status == PBF_OK) status = pbf_plan_step(solver);
@@ -142,7 +144,7 @@ static pbf_status run_parts(pbf_solver *solver, uint32_t *advanced) {
     solver->part += done;
   }
   *advanced = solver->part == solver->parts;
-  if (*advanced) pbf_emission_end_parts(solver);
+  if (*advanced && solver->emission) solver->emission->work->end_parts(solver);
   const double length = solver->part * pbf_part_time_step(solver);
   solver->part = solver->parts = 0;
   if (!*advanced) end_shorter(solver, begin, length);

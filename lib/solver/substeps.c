@@ -11,7 +11,7 @@ pbf_status pbf_substeps_of(pbf_solver *solver, uint32_t *substeps) {
   double speed;
   uint32_t cause;
   *substeps = 1;
-  const double stream = pbf_emission_speed(solver);
+  const double stream = solver->emission ? solver->emission->work->speed(solver) : 0;
   if (solver->params.max_substeps <= 1 || (solver->count == 0 && !(stream > 0))) return PBF_OK;
   pbf_status status = pbf_max_speed(solver, &speed);
   if (status != PBF_OK) return status;
