@@ -1,7 +1,6 @@
 /* Reservoirs as they are set. */
 #include "reservoir.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -24,40 +23,11 @@ static const pbf_real_rule reals[] = {
     REAL(pressure, 1, PBF_AT_LEAST_ZERO),
 };
 
-static pbf_volume box_of(const pbf_reservoir *r) {
-  pbf_volume box = {.struct_size = sizeof box, .shape = PBF_VOLUME_BOX};
-  memcpy(box.position, r->position, sizeof box.position);
-  memcpy(box.orientation, r->orientation, sizeof box.orientation);
-  memcpy(box.half_extents, r->half_extents, sizeof box.half_extents);
-  return box;
-}
-
-pbf_reservoir_frame pbf_reservoir_frame_of(const pbf_reservoir *r, uint32_t dimension,
-                                           double spacing) {
-  const pbf_volume box = box_of(r);
-  pbf_reservoir_frame f = {.box = pbf_volume_frame_of(&box, dimension),
-                           .spacing = spacing,
-                           .lower = -r->half_extents[1],
-                           .upper = -r->half_extents[1] + r->depth,
-                           .particles = r->depth / spacing};
-  for (uint32_t side = 0; side < 2; ++side) {
-    const double width = 2 * r->half_extents[2 * side];
-    /* A hair more, for widths that are whole numbers of spacings but for rounding. */
-    const double fit = floor(width / spacing + 0.01);
-    const int is_flat = side == 1 && dimension == 2;
-    f.cells[side] = is_flat || fit < 1 ? 1 : (uint32_t)fmin(fit, PBF_MAX_CAPACITY);
-    f.cell[side] = is_flat ? 0 : width / f.cells[side];
-    if (!is_flat) f.particles *= width / spacing;
-  }
-  f.particles = floor(f.particles + 0.5);
-  return f;
-}
-
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
 pbf_status pbf_reservoir_check(const pbf_reservoir *r, uint32_t index, pbf_check_kind kind) {
   char label[32];
-  const pbf_volume box = box_of(r);
+  const pbf_volume box = pbf_reservoir_box(r);
   snprintf(label, sizeof label, "reservoirs[%u]", index);
   pbf_status status = pbf_volume_check(&box, label, kind.dimension);
   if (status == PBF_OK) status = pbf_check_reals(reals, LENGTH(reals), label, r, kind);

@@ -16,6 +16,7 @@ typedef struct pbf_reservoir_frame {
   double particles;    /* that fill it, a whole number */
 } pbf_reservoir_frame;
 
+pbf_volume pbf_reservoir_box(const pbf_reservoir *reservoir);
 pbf_reservoir_frame pbf_reservoir_frame_of(const pbf_reservoir *reservoir, uint32_t dimension,
                                            double spacing);
 
