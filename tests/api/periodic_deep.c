@@ -242,12 +242,40 @@ static void walls_beside_faces_part_water(void **state) {
   test_for_long_kinds(check_walls);
 }
 
+static uint32_t all_layers(const water *w, double x) {
+  (void)x;
+  return (uint32_t)w->deep;
+}
+
+/* A period is short beside a domain so high that cells no wider than it are too many for the grid.
+ */
+static void check_high_domain(uint32_t dimension, uint32_t precision) {
+  water w = begin(dimension, precision, 8, 24, all_layers, NULL);
+  pbf_params params = test_params();
+  double height = 0;
+  assert_ok(pbf_get_params(w.solver, &params));
+  params.domain_max[1] = 900;
+  assert_ok(pbf_set_params(w.solver, &params));
+  assert_ok(pbf_step(w.solver, 60));
+  test_read(w.solver, dimension, precision, w.count, w.x, w.v);
+  for (uint32_t i = 0; i < w.count; ++i) height += 2 * w.x[i * dimension + 1] / d / w.count;
+  if (!(fabs(height / w.deep - 1) < 0.1))
+    fail_msg("%uD: it stands %g spacings high, not %g", dimension, height, w.deep);
+  end(&w);
+}
+
+static void short_periods_have_high_domains(void **state) {
+  (void)state;
+  test_for_long_kinds(check_high_domain);
+}
+
 int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
   const struct CMUnitTest periodic[] = {
       cmocka_unit_test(waves_go_over_the_faces),
       cmocka_unit_test(rivers_run),
       cmocka_unit_test(walls_beside_faces_part_water),
+      cmocka_unit_test(short_periods_have_high_domains),
   };
   return TEST_RUN(periodic);
 }

@@ -146,8 +146,13 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
   double wanted = cells * params->smoothing_radius;
   double width = pbf_pressure_grid_fitting(params, walls, domain, wanted);
-  while (pbf_pressure_grid_indices(domain, width) > (double)limit)
-    width = pbf_pressure_grid_fitting(params, walls, domain, wanted *= 1.1);
+  while (pbf_pressure_grid_indices(domain, width) > (double)limit) {
+    const double fitting = pbf_pressure_grid_fitting(params, walls, domain, wanted *= 1.1);
+    /* Cells no wider than a short period may be too many along other axes however few they are to
+     * be: then they are wider. Where each period has two cells or more a fitting width is not so
+     * small. */
+    width = fitting < wanted / (1 << PBF_DIM) ? wanted : fitting;
+  }
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
