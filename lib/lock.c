@@ -56,9 +56,9 @@ void pbf_lock_release(pbf_lock lock) {
 
 /* The child has the thread alone that forks. What others hold at this moment would be held there
  * for ever, and be half done: so no search for backends is, while a process forks, nor a change of
- * the lists of shapes and of tasks, under whose locks nothing allocates. The lock of the solvers is
- * not waited for: a signal handler may be, in a thread that has been interrupted within malloc, and
- * the C library takes its locks next. handles.c mends what it guards.
+ * the lists of shapes and of tasks; nothing allocates while these are locked. The lock of solvers
+ * is not waited for: a signal handler may be, in a thread that has been interrupted within malloc,
+ * and the C library takes its locks next. handles.c mends what it guards.
  *
  * Written with the lock held. */
 static int taken_to_fork[PBF_LOCK_COUNT];

@@ -10,11 +10,11 @@ double pbf_guided_speed(const pbf_guided *guided);
 /* Where it is to be, `ahead` of where it has left. */
 void pbf_guided_place(const pbf_guided *guided, double place[3]);
 
-/* Their streams end at solids: of `count` that are to go on as far as `ahead` says, those whose
- * lines run into a collider before are told so. */
+/* Streams end at solids. Of `count` particles, `ahead` says how far each is to go on along its
+ * line: it is changed where the line meets a collider or a wall before that. */
 typedef enum pbf_guided_end {
-  PBF_GUIDED_STOPS,    /* there */
-  PBF_GUIDED_IS_LET_GO /* ahead becomes infinite */
+  PBF_GUIDED_STOPS,    /* ahead becomes the way up to the solid */
+  PBF_GUIDED_IS_LET_GO /* ahead becomes infinite: the stream moves the particle no more */
 } pbf_guided_end;
 void pbf_guided_meet_solids(const pbf_solver *solver, pbf_guided *guided, uint32_t count,
                             pbf_guided_end end);

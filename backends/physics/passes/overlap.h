@@ -81,9 +81,9 @@ PBF_FN bool pbf_is_placed(const pbf_overlap &found, uint32_t id, pbf_real overla
  * near, itself included. So what is in its way has time to give way, at the stream's speed. Near it
  * no other allowance lasts any longer.
  *
- * A stream that wavers, or whose opening turns, is denser in places while it is moved. What its own
- * particles make of their densities is allowed for as well, until they have parted: let go of at
- * once it would part within a step or two, at error times h / dt. */
+ * A stream with jitter, or from an opening that turns, is denser in places while it is moved. What
+ * its own particles make of their densities is allowed for as well, until they have parted:
+ * otherwise they would part within a step or two of being moved no more, at error times h / dt. */
 static inline pbf_entering pbf_entering_of(const pbf_overlap *overlap) {
   if (overlap->entering) return *overlap->entering;
   return {0, 0, 1, 0, 0, {0}, {0}, 1, 0};
