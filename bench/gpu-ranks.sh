@@ -69,6 +69,12 @@ else
   done
   same 2
   PBF_RANKS_PROCESSES=1 same 2
+  export PBF_RANKS_STAGED=1
+  same 2
+  PBF_RANKS_PROCESSES=1 PBF_RANKS_BRIEF=1 same 2
+  timed 1000000 2
+  timed 16000000 2
+  unset PBF_RANKS_STAGED
   [ "$devices" -gt 2 ] && same "$devices"
 fi
 printf '{"machine": "%s", "devices": %s, "commit": "%s", "driver": "%s"}\n' \

@@ -1,6 +1,7 @@
 /* pbf_mpi_create: on all ranks or on none. */
 #include <math.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,13 +21,30 @@ __attribute__((format(printf, 2, 3))) static pbf_status fail(pbf_status status, 
   return status;
 }
 
+/* Of callers that know of no staging. */
+static const uint32_t size_without_staging = offsetof(pbf_mpi_options, host_staged);
+
+static pbf_status check_size(const char *name, uint32_t struct_size) {
+  if (struct_size == sizeof(pbf_mpi_options) || struct_size == size_without_staging) return PBF_OK;
+  return fail(PBF_ERROR_STRUCT_SIZE, "%sstruct_size is %u; it must be %u", name, struct_size,
+              (uint32_t)sizeof(pbf_mpi_options));
+}
+
 pbf_status pbf_mpi_options_init(pbf_mpi_options *options, uint32_t struct_size) {
+  const pbf_mpi_options defaults = {.struct_size = struct_size, .timeout = 60};
   if (!options) return fail(PBF_ERROR_INVALID_ARGUMENT, "options is null");
-  if (struct_size != sizeof *options)
-    return fail(PBF_ERROR_STRUCT_SIZE, "struct_size is %u; it must be %u", struct_size,
-                (uint32_t)sizeof *options);
-  *options = (pbf_mpi_options){.struct_size = sizeof *options, .timeout = 60};
-  return PBF_OK;
+  const pbf_status status = check_size("", struct_size);
+  if (status == PBF_OK) memcpy(options, &defaults, struct_size);
+  return status;
+}
+
+/* What the caller says, or the defaults. */
+static pbf_status take_options(const pbf_mpi_options *theirs, pbf_mpi_options *options) {
+  pbf_mpi_options_init(options, sizeof *options);
+  if (!theirs) return PBF_OK;
+  const pbf_status status = check_size("options->", theirs->struct_size);
+  if (status == PBF_OK) memcpy(options, theirs, theirs->struct_size);
+  return status;
 }
 
 static pbf_status check(const pbf_mpi_options *options, const pbf_desc *desc, pbf_solver **solver) {
@@ -37,9 +55,6 @@ static pbf_status check(const pbf_mpi_options *options, const pbf_desc *desc, pb
     return fail(PBF_ERROR_STATE, "MPI is not running; MPI_Init_thread comes first");
   if (!desc || !solver)
     return fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", desc ? "solver" : "desc");
-  if (options->struct_size != sizeof *options)
-    return fail(PBF_ERROR_STRUCT_SIZE, "options->struct_size is %u; it must be %u",
-                options->struct_size, (uint32_t)sizeof *options);
   if (!(options->timeout > 0 && isfinite(options->timeout)))
     return fail(PBF_ERROR_INVALID_ARGUMENT, "options->timeout is %g; it must be above 0 and finite",
                 options->timeout);
@@ -121,22 +136,22 @@ static pbf_desc for_a_rank(const pbf_desc *theirs) {
   return desc;
 }
 
-pbf_status pbf_mpi_create(MPI_Comm comm, const pbf_mpi_options *options, const pbf_desc *desc,
+pbf_status pbf_mpi_create(MPI_Comm comm, const pbf_mpi_options *theirs, const pbf_desc *desc,
                           const pbf_params *params, pbf_solver **solver) {
-  pbf_mpi_options defaults;
+  pbf_mpi_options options;
   pbf_solver *made = NULL;
   char why[200];
-  pbf_mpi_options_init(&defaults, sizeof defaults);
-  if (!options) options = &defaults;
-  pbf_status status = check(options, desc, solver);
+  pbf_status status = take_options(theirs, &options);
+  if (status == PBF_OK) status = check(&options, desc, solver);
   if (status != PBF_OK) return status;
-  pbf_mpi_link *link = pbf_mpi_link_create(comm, options->timeout, why, sizeof why);
+  pbf_mpi_link *link = pbf_mpi_link_create(comm, options.timeout, why, sizeof why);
   if (!link) return fail(PBF_ERROR_UNAVAILABLE, "%s", why);
   pbf_ranks ranks = pbf_mpi_link_ranks(link);
   const pbf_desc its = for_a_rank(desc);
   ranks.local_capacity =
-      options->local_capacity ? options->local_capacity : default_room(its.capacity, ranks.count);
-  ranks.shares = options->shares;
+      options.local_capacity ? options.local_capacity : default_room(its.capacity, ranks.count);
+  ranks.shares = options.shares;
+  ranks.host_staged = options.host_staged;
   status = pbf_create_on_ranks(&its, params, &ranks, &made);
   const created mine = describe(made, status, its.capacity, ranks.local_capacity);
   status = agree(&ranks, &mine);

@@ -13,17 +13,19 @@ static inline rank_place rank_place_of(const solver *s) {
 
 /* Launches a kernel by which all ranks meet, by launch(place). No kernel may wait for another
  * rank's where that can't be launched before it has ended: where they share a device, and where a
- * kernel is launched for the first time, for which CUDA may wait for a device. Then hosts wait. */
-template <class Launch>
-static inline void meet_ranks(solver *s, Launch launch) {
+ * kernel is launched for the first time, for which CUDA may wait for a device. Then hosts wait. So
+ * do those of staged ranks, and carry(place) exchanges what the kernel has given. */
+template <class Launch, class Carry>
+static inline void meet_ranks(solver *s, Launch launch, Carry carry) {
   s->ranks.sequence += 1;
   s->ranks.turn = (uint32_t)(s->ranks.sequence % 2);
   rank_place place = rank_place_of(s);
-  if (!s->ranks.careful) return launch(place);
+  if (!s->ranks.careful && !s->ranks.staging.any) return launch(place);
   place.phases = RANK_GIVES;
   launch(place);
   if (!on_all_ranks(s, cudaStreamSynchronize(s->stream) == cudaSuccess))
     lose_ranks(s, PBF_ERROR_DEVICE, "the device of a rank has failed");
+  if (s->ranks.staging.any && !s->ranks.failed) carry(place);
   place.phases = RANK_TAKES;
   if (!s->ranks.failed) launch(place);
 }
@@ -66,12 +68,11 @@ static inline double seconds_now() {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Waits until the device has found the shares. */
-static inline bool read_plan(solver *s) {
+/* Waits until the device has found the shares, in the meeting of this number. */
+static inline bool read_plan(solver *s, uint64_t wanted) {
   rank_state *r = &s->ranks;
   const volatile unsigned long long *sequence = &r->report->plan.sequence;
   const double begin = seconds_now(), patience = 75;
-  const uint64_t wanted = r->sequence - 1; /* one meeting has been launched since */
   for (uint32_t k = 1; *sequence != wanted; ++k) {
     if (k % 4096) continue;
     const cudaError_t error = cudaStreamQuery(s->stream);
@@ -92,10 +93,6 @@ static inline bool read_plan(solver *s) {
   }
   memcpy(r->shares, r->report->plan.shares, sizeof r->shares);
   return true;
-}
-
-static inline uint32_t halo_of(const rank_share &s) {
-  return s.held_last - s.held_first - (s.own_last - s.own_first);
 }
 
 static inline void refuse_capacity(solver *s) {
@@ -120,7 +117,7 @@ static inline bool grow_rooms(solver *s) {
   uint32_t halo = 0, cells = 0;
   for (uint32_t k = 0; k < r->count; ++k) {
     const rank_share &share = r->shares[k];
-    halo = halo_of(share) > halo ? halo_of(share) : halo;
+    halo = halo_count(share) > halo ? halo_count(share) : halo;
     const uint32_t its = share.cell_last - share.cell_first;
     cells = its > cells ? its : cells;
   }
@@ -208,6 +205,15 @@ static inline void note_own(const solver *s, sorted_particles *p) {
   p->cell_start = s->cell_start;
 }
 
+/* Hosts of staged ranks know how many particles each gets before these are sent. */
+static inline bool stage_particles(solver *s, uint64_t of_plan, const unsorted_particles &from,
+                                   rank_outbox *outbox) {
+  if (s->ranks.failed || !read_plan(s, of_plan)) return false;
+  if (s->ranks.report->plan.fits) return take_outbox(s, inbox_has(from), outbox);
+  refuse_capacity(s);
+  return false;
+}
+
 /* From the cells of its particles on, each rank comes to know its share, and gets what it is to
  * hold. The state is as it was. */
 static inline bool hold_share(solver *s, const unsorted_particles &from, const cell_grid &grid) {
@@ -218,23 +224,35 @@ static inline bool hold_share(solver *s, const unsorted_particles &from, const c
   const rank_cut cut = rank_cut_of(s, grid);
   const uint32_t blocks = blocks_for(from.count);
   const sort_scratch scratch = rank_scratch_of(s, 0);
+  rank_outbox outbox = {};
   if (blocks)
     count_bins_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(scratch.cell, from.count,
                                                            cut.cells_a_bin, r->control->bins);
-  meet_ranks(s, [&](const rank_place &place) {
-    share_kernel<<<1, RANK_SHARE_THREADS, 0, s->stream>>>(place, cut);
-  });
+  meet_ranks(
+      s,
+      [&](const rank_place &place) {
+        share_kernel<<<1, RANK_SHARE_THREADS, 0, s->stream>>>(place, cut);
+      },
+      [&](const rank_place &place) {
+        carry_given(s, [&](uint32_t from_rank, uint32_t, rank_range *list) {
+          list[0] = {rank_bins_begin(r->count, place.turn, from_rank),
+                     RANK_BINS * sizeof(uint32_t)};
+        });
+      });
+  const uint64_t of_plan = r->sequence;
+  if (r->staging.any && !stage_particles(s, of_plan, from, &outbox)) return false;
   if (blocks)
     send_particles_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(
-        rank_place_of(s), from, cut.cells_a_bin, s->capacity, scratch.cell);
-  meet_ranks(s,
-             [&](const rank_place &place) { meet_ranks_kernel<<<1, 32, 0, s->stream>>>(place); });
+        rank_place_of(s), from, cut.cells_a_bin, s->capacity, outbox, scratch.cell);
+  meet_ranks(
+      s, [&](const rank_place &place) { meet_ranks_kernel<<<1, 32, 0, s->stream>>>(place); },
+      [&](const rank_place &) { carry_particles(s, inbox_has(from), outbox); });
   if (r->failed) return false;
   if (cudaPeekAtLastError() != cudaSuccess) {
     lose_ranks(s, PBF_ERROR_DEVICE, cudaGetErrorString(cudaGetLastError()));
     return false;
   }
-  if (!read_plan(s)) return false;
+  if (!read_plan(s, of_plan)) return false;
   if (!r->report->plan.fits) {
     refuse_capacity(s);
     return false;
@@ -307,12 +325,23 @@ static inline uint64_t run_sent(const rank_state *r) {
   const rank_share &mine = r->shares[r->rank];
   uint64_t sent = 0;
   for (uint32_t k = 0; k < r->count; ++k) {
-    const rank_share &its = r->shares[k];
-    const uint32_t first = mine.own_first > its.held_first ? mine.own_first : its.held_first;
-    const uint32_t last = mine.own_last < its.held_last ? mine.own_last : its.held_last;
-    if (k != r->rank && first < last) sent += last - first;
+    const rank_run run = common_run(mine, r->shares[k]);
+    if (k != r->rank && run.first < run.last) sent += run.last - run.first;
   }
   return sent;
+}
+
+/* Where in the room of one rank the fields of another's particles go. */
+static inline void ranges_of_fields(const rank_fields &fields, const rank_share &own,
+                                    const rank_share &its, rank_range *list) {
+  const rank_run run = common_run(own, its);
+  uint64_t at = fields.mail;
+  if (run.first >= run.last) return;
+  for (const rank_field &field : {fields.first, fields.second}) {
+    const uint64_t bytes = field.words * sizeof(uint32_t);
+    *list++ = {at + halo_place(its, run.first) * bytes, (run.last - run.first) * bytes};
+    at += halo_count(its) * bytes;
+  }
 }
 
 static inline pbf_status exchange_on_ranks(solver *s, const rank_field &first,
@@ -320,11 +349,18 @@ static inline pbf_status exchange_on_ranks(solver *s, const rank_field &first,
   rank_state *r = &s->ranks;
   if (r->count == 1) return PBF_OK;
   r->bytes_sent += run_sent(r) * (first.words + second.words) * sizeof(uint32_t);
-  meet_ranks(s, [&](const rank_place &place) {
-    const uint64_t mail = rank_mail_begin(r->count) + place.turn * rank_mail_bytes(r->halo_room);
-    const rank_fields fields = {first, second, mail, r->shares[r->rank].held_first, r->pad};
-    exchange_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, fields);
-  });
+  rank_fields fields = {first, second, 0, r->shares[r->rank].held_first, r->pad};
+  meet_ranks(
+      s,
+      [&](const rank_place &place) {
+        fields.mail = rank_mail(r, place.turn);
+        exchange_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, fields);
+      },
+      [&](const rank_place &) {
+        carry_given(s, [&](uint32_t from, uint32_t to, rank_range *list) {
+          ranges_of_fields(fields, r->shares[from], r->shares[to], list);
+        });
+      });
   return r->failed ? r->failed : pbf_cuda_check_launch("exchange_kernel");
 }
 
@@ -336,9 +372,18 @@ static inline pbf_status add_numbers_of_ranks(solver *s, rank_numbers numbers) {
   if (r->count == 1) return PBF_OK;
   numbers.at = rank_numbers_begin(r->count, r->halo_room, r->index_room);
   numbers.room = r->number_room;
-  meet_ranks(s, [&](const rank_place &place) {
-    add_numbers_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(place, numbers);
-  });
+  const uint64_t each = sizeof(unsigned long long);
+  meet_ranks(
+      s,
+      [&](const rank_place &place) {
+        add_numbers_kernel<<<blocks, PBF_BLOCK, 0, s->stream>>>(place, numbers);
+      },
+      [&](const rank_place &) {
+        carry_given(s, [&](uint32_t from, uint32_t, rank_range *list) {
+          list[0] = {numbers.at + from * numbers.room * each,
+                     (numbers.first_count + (uint64_t)numbers.rest_count) * each};
+        });
+      });
   return r->failed ? r->failed : pbf_cuda_check_launch("add_numbers_kernel");
 }
 
@@ -349,9 +394,12 @@ static inline pbf_status exchange_notes(solver *s, pbf_real *activity, uint8_t *
   const rank_notes notes = {activity, awakened,
                             rank_notes_begin(r->count, r->halo_room, r->index_room, r->number_room),
                             r->shares[r->rank].held_first, r->pad};
-  meet_ranks(s, [&](const rank_place &place) {
-    notes_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, notes);
-  });
+  meet_ranks(
+      s,
+      [&](const rank_place &place) {
+        notes_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(place, notes);
+      },
+      [&](const rank_place &place) { carry_notes(s, notes.at, rank_mail(r, place.turn)); });
   return r->failed ? r->failed : pbf_cuda_check_launch("notes_kernel");
 }
 

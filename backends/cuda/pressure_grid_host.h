@@ -176,10 +176,18 @@ static inline pbf_status add_sums_of_ranks(solver *s, const pressure_grid_arrays
                                            cudaMemcpyDeviceToDevice, s->stream),
                            "cudaMemcpyAsync"))
       return status;
-  meet_ranks(s, [&](const rank_place &place) {
-    add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(
-        place, r.halo_room, indices, arrays.sums, arrays.cell_moves);
-  });
+  const uint64_t sums = arrays.cell_moves ? RANK_SUMS : RANK_SUMS - PBF_DIM;
+  const rank_range shown[RANK_RANGES] = {
+      {rank_sums_begin(r.count, r.halo_room), sums * indices.count * sizeof(unsigned long long)},
+      {rank_further_begin(r.count, r.halo_room, r.index_room),
+       torn ? s->pressure_grid.nodes * sizeof *t.further : 0}};
+  meet_ranks(
+      s,
+      [&](const rank_place &place) {
+        add_sums_kernel<<<RANK_EXCHANGE_BLOCKS, PBF_BLOCK, 0, s->stream>>>(
+            place, r.halo_room, indices, arrays.sums, arrays.cell_moves);
+      },
+      [&](const rank_place &) { carry_shown(s, shown); });
   return s->ranks.failed ? s->ranks.failed : pbf_cuda_check_launch("add_sums_kernel");
 }
 

@@ -1,4 +1,4 @@
-/* Part of rank_link.h: what ranks' devices tell each other. All kernels here are run by all ranks
+/* Part of staging.h: what ranks' devices tell each other. All kernels here are run by all ranks
  * in the same order. A kernel that waits has so few blocks that all of them are on the device at
  * once. */
 #ifndef PBF_CUDA_RANK_KERNELS_H
@@ -13,7 +13,7 @@
 enum { RANK_SHARE_THREADS = 1024, RANK_EXCHANGE_BLOCKS = 48 };
 
 /* A kernel gives the others something, and then waits for what they give. Where ranks share a
- * device it is launched twice, and the host waits between. */
+ * device, or are staged, it is launched twice, and the host waits between. */
 enum rank_phases { RANK_GIVES = 1, RANK_TAKES = 2 };
 
 /* What a kernel knows of the others. */
@@ -27,12 +27,18 @@ struct rank_place {
 
 /* ---- Meeting ------------------------------------------------------------------------------- */
 
+/* Whose memory this device does not reach: hosts wait for it, and do not launch what takes before
+ * it has come. */
+static __device__ __forceinline__ bool is_staged(const rank_place &p, uint32_t r) {
+  return p.control->staged >> r & 1;
+}
+
 /* Tells all ranks how far this one has come. The threads of a block call it, and what they have
  * written others see first. */
 static __device__ __forceinline__ void tell_ranks(const rank_place &p) {
   __threadfence_system();
   for (uint32_t r = threadIdx.x; r < p.count; r += blockDim.x)
-    if (r != p.rank)
+    if (r != p.rank && !is_staged(p, r))
       store_release_of_system(rank_arrivals(p.control->rooms[r]) + p.rank, p.sequence);
 }
 
@@ -52,7 +58,7 @@ static __device__ __forceinline__ void tell_ranks_at_last(const rank_place &p) {
 static __device__ __forceinline__ void await_ranks(const rank_place &p) {
   const unsigned long long patience = 60ull * 1000 * 1000 * 1000, begin = nanoseconds();
   for (uint32_t r = threadIdx.x; r < p.count; r += blockDim.x) {
-    if (r == p.rank) continue;
+    if (r == p.rank || is_staged(p, r)) continue;
     const uint64_t *arrival = rank_arrivals(p.control->rooms[p.rank]) + r;
     uint64_t seen = 0;
     while (!*static_cast<volatile uint32_t *>(&p.control->lost)) {
@@ -159,6 +165,7 @@ static __device__ __forceinline__ void give_bins(const rank_place &p) {
 static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
     share_kernel(rank_place p, rank_cut cut) {
   __shared__ uint32_t before[RANK_BINS + 1];
+  __shared__ uint32_t staged[RANKS_OF_CUDA];
   __shared__ const uint32_t *tables[RANKS_OF_CUDA];
   rank_control *c = p.control;
   rank_plan *plan = &c->plan;
@@ -172,17 +179,24 @@ static __global__ void __launch_bounds__(RANK_SHARE_THREADS)
   if (r < p.count) share = share_between(cut, r, before);
   const uint32_t room = share.held_first % RANK_GROUP + share.held_last - share.held_first;
   const bool fits = !__syncthreads_or(r < p.count && room > cut.capacity);
-  uint32_t at = 0, received = 0;
+  uint32_t at = 0, received = 0, sent = 0;
   for (uint32_t q = 0; q < p.count; ++q) {
     sum_bins(tables + q, 1, before);
     if (r >= p.count || q == r) continue;
     const uint32_t its = before[share.bin_last] - before[share.bin_first];
     if (q < p.rank) at += its;
+    if (q == p.rank) sent = its;
+    if (r == p.rank) p.report->plan.got[q] = its;
     received += its;
   }
+  if (r < p.count) staged[r] = is_staged(p, r) ? sent : 0;
+  __syncthreads();
   if (r < p.count) {
+    if (is_staged(p, r)) at = 0;
+    for (uint32_t q = 0; q < r && is_staged(p, r); ++q) at += staged[q];
     plan->shares[r] = p.report->plan.shares[r] = share;
     plan->inbox_first[r] = at;
+    p.report->plan.sent[r] = sent;
     if (r == p.rank) plan->received = p.report->plan.received = received;
   }
   if (r == 0) plan->fits = p.report->plan.fits = fits;
@@ -196,11 +210,17 @@ static inline __host__ __device__ rank_inbox_has inbox_has(const unsorted_partic
           of.phase != nullptr, of.acceleration != nullptr};
 }
 
+/* Where particles are put for staged ranks, and how many there is room for. */
+struct rank_outbox {
+  char *at;
+  uint32_t capacity;
+};
+
 /* Puts each particle where a rank holds it. Cells of those that this rank does not hold get to be
  * PBF_NO_CELL. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     send_particles_kernel(rank_place p, unsorted_particles from, uint32_t cells_a_bin,
-                          uint32_t capacity, uint32_t *cells) {
+                          uint32_t capacity, rank_outbox outbox, uint32_t *cells) {
   rank_control *c = p.control;
   const rank_plan *plan = &c->plan;
   const uint32_t i = thread_index(), lane = threadIdx.x % 32;
@@ -221,7 +241,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     slot = __shfl_sync(~0u, slot, 0) + plan->inbox_first[r] +
            (uint32_t)__popc(lanes & ((1u << lane) - 1));
     if (!holds) continue;
-    const rank_inbox to = rank_inbox_in(c->inboxes[r], capacity, inbox_has(from));
+    const bool staged = is_staged(p, r);
+    const rank_inbox to = rank_inbox_in(staged ? outbox.at : c->inboxes[r],
+                                        staged ? outbox.capacity : capacity, inbox_has(from));
     store(to.points, slot, load(from.points, i));
     to.velocities[slot] = from.velocities[i];
     to.ids[slot] = from.ids[i];
@@ -258,17 +280,19 @@ struct rank_run {
   uint32_t first, last;
 };
 
-static __device__ __forceinline__ rank_run common_run(const rank_share &own,
-                                                      const rank_share &held) {
-  return {max(own.own_first, held.held_first), min(own.own_last, held.held_last)};
+static __host__ __device__ __forceinline__ rank_run common_run(const rank_share &own,
+                                                               const rank_share &held) {
+  return {own.own_first > held.held_first ? own.own_first : held.held_first,
+          own.own_last < held.held_last ? own.own_last : held.held_last};
 }
 
 /* Where a place that is not a share's own comes in what it holds of others. */
-static __device__ __forceinline__ uint32_t halo_place(const rank_share &s, uint32_t place) {
+static __host__ __device__ __forceinline__ uint32_t halo_place(const rank_share &s,
+                                                               uint32_t place) {
   return place - s.held_first - (place >= s.own_last ? s.own_last - s.own_first : 0);
 }
 
-static __device__ __forceinline__ uint32_t halo_count(const rank_share &s) {
+static __host__ __device__ __forceinline__ uint32_t halo_count(const rank_share &s) {
   return s.held_last - s.held_first - (s.own_last - s.own_first);
 }
 

@@ -1,6 +1,5 @@
-/* Part of hold.h: what ranks ask each other by the functions of pbf/ranks.h, and how their devices
- * come to see each other's memory. A failure is kept: nothing after it communicates, and the call
- * fails when it ends. */
+/* Part of hold.h: how ranks agree on what they do, and how their devices come to see each other's
+ * memory, or a mirror of it. */
 #ifndef PBF_CUDA_RANK_LINK_H
 #define PBF_CUDA_RANK_LINK_H
 
@@ -10,65 +9,9 @@
 #include <unistd.h>
 
 #include "common/digest.h"
-#include "common/fp_environment.h"
 #include "common/number.h"
 #include "cuda/arrays.h"
-#include "cuda/rank_kernels.h"
-
-/* ---- Failures ------------------------------------------------------------------------------ */
-
-/* Of this call: nothing has changed. */
-static inline void refuse_on_ranks(solver *s, pbf_status status, const char *sentence) {
-  if (s->ranks.failed) return;
-  s->ranks.failed = status;
-  snprintf(s->ranks.reason, sizeof s->ranks.reason, "%s", sentence);
-}
-
-/* Of the others, or of a device while others wait for it: there is no way on. */
-static inline void lose_ranks(solver *s, pbf_status status, const char *sentence) {
-  refuse_on_ranks(s, status, sentence);
-  s->ranks.lost = true;
-}
-
-static inline bool begin_on_ranks(solver *s) {
-  if (!s->ranks.lost) s->ranks.failed = PBF_OK;
-  return !s->ranks.lost;
-}
-
-/* What the call returns. */
-static inline pbf_status end_on_ranks(solver *s) {
-  rank_state *r = &s->ranks;
-  if (!r->failed) return PBF_OK;
-  char text[sizeof r->reason + 96];
-  snprintf(text, sizeof text, "%s%s", r->reason,
-           r->told ? "; nothing but pbf_destroy is possible since" : "");
-  s->host->set_error(text);
-  const pbf_status status = r->told ? PBF_ERROR_STATE : r->failed;
-  r->told = r->lost;
-  return status;
-}
-
-/* ---- Questions ----------------------------------------------------------------------------- */
-
-static inline bool note_communication(solver *s, pbf_status status) {
-  (void)pbf_fp_begin();
-  if (status != PBF_OK) lose_ranks(s, status, s->ranks.link.reason(s->ranks.link.user));
-  return !s->ranks.failed;
-}
-
-static inline bool gather_on_ranks(solver *s, const void *mine, void *all, uint64_t bytes) {
-  if (s->ranks.failed) return false;
-  return note_communication(s, s->ranks.link.all_gather(s->ranks.link.user, mine, all, bytes));
-}
-
-/* Whether it is so on all; false when that is not to be learnt. */
-static inline bool on_all_ranks(solver *s, bool yes) {
-  const uint32_t mine = yes;
-  uint32_t all[RANKS_OF_CUDA];
-  if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
-  for (uint32_t k = 0; k < s->ranks.count; ++k) yes = yes && all[k];
-  return yes;
-}
+#include "cuda/staging.h"
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
 
@@ -117,7 +60,7 @@ static inline rank_call rank_call_of(const solver *s, const char *call, const vo
 struct rank_address {
   uint64_t host, process;
   int32_t device; /* as this process counts them */
-  uint32_t has_handles;
+  uint32_t has_handles, host_staged;
   cudaUUID_t device_name;
   char *room, *inbox;
   cudaIpcMemHandle_t room_handle, inbox_handle;
@@ -147,6 +90,7 @@ static inline rank_address address_of(solver *s) {
   a.host = host_token();
   a.process = process_token();
   a.device = s->device;
+  a.host_staged = s->ranks.link.host_staged;
   cudaDeviceProp properties;
   if (cudaGetDeviceProperties(&properties, s->device) == cudaSuccess)
     a.device_name = properties.uuid;
@@ -166,34 +110,36 @@ static inline void close_handles(solver *s) {
     }
 }
 
-/* Null: it sees it; else why not. */
-static inline const char *see_memory(solver *s, uint32_t r, const rank_address &mine,
-                                     const rank_address &other, char *seen[2]) {
-  if (other.host != mine.host) return "is on another host, which ranks of \"cuda\" can't be";
-  if (other.process == mine.process) {
-    int can = other.device == mine.device;
-    seen[0] = other.room;
-    seen[1] = other.inbox;
-    if (can) return nullptr;
-    if (cudaDeviceCanAccessPeer(&can, mine.device, other.device) != cudaSuccess || !can)
-      return "has device memory that is out of reach";
-    const cudaError_t error = cudaDeviceEnablePeerAccess(other.device, 0);
-    cudaGetLastError();
-    return error == cudaSuccess || error == cudaErrorPeerAccessAlreadyEnabled
-               ? nullptr
-               : "has device memory that is out of reach";
-  }
-  if (!other.has_handles) return "has a device that shares no memory with other processes";
+/* Of another process, by handles. */
+static inline bool open_handles(solver *s, uint32_t r, const rank_address &other, char *seen[2]) {
   const cudaIpcMemHandle_t handles[2] = {other.room_handle, other.inbox_handle};
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < 2 && other.has_handles; ++k) {
     void *at = nullptr;
     if (cudaIpcOpenMemHandle(&at, handles[k], cudaIpcMemLazyEnablePeerAccess) != cudaSuccess) {
       cudaGetLastError();
-      return "has device memory that this process can't reach";
+      return false;
     }
     seen[k] = s->ranks.opened[k][r] = static_cast<char *>(at);
   }
-  return nullptr;
+  return other.has_handles;
+}
+
+static inline bool enable_peer(int mine, int other) {
+  int can = 0;
+  if (cudaDeviceCanAccessPeer(&can, mine, other) != cudaSuccess || !can) return false;
+  const cudaError_t error = cudaDeviceEnablePeerAccess(other, 0);
+  cudaGetLastError();
+  return error == cudaSuccess || error == cudaErrorPeerAccessAlreadyEnabled;
+}
+
+/* Whether this device reaches the other's memory. */
+static inline bool see_memory(solver *s, uint32_t r, const rank_address &mine,
+                              const rank_address &other, char *seen[2]) {
+  if (other.host != mine.host || other.host_staged || mine.host_staged) return false;
+  if (other.process != mine.process) return open_handles(s, r, other, seen);
+  seen[0] = other.room;
+  seen[1] = other.inbox;
+  return other.device == mine.device || enable_peer(mine.device, other.device);
 }
 
 /* Whether another rank has the device of rank r, by the name that it has everywhere. */
@@ -204,33 +150,55 @@ static inline bool shares_device(const rank_address *all, uint32_t count, uint32
   return false;
 }
 
+/* A bit for each rank that this one does not reach, or that does not reach it; and whether there
+ * are such ranks anywhere. */
+static inline bool agree_on_staged(solver *s, uint64_t reached, uint64_t *staged) {
+  rank_state *r = &s->ranks;
+  uint64_t all[RANKS_OF_CUDA];
+  *staged = 0;
+  r->staging.any = false;
+  if (!gather_on_ranks(s, &reached, all, sizeof reached)) return false;
+  for (uint32_t a = 0; a < r->count; ++a)
+    for (uint32_t b = 0; b < r->count; ++b) {
+      if (all[a] >> b & all[b] >> a & 1) continue;
+      r->staging.any = true;
+      if (a == r->rank) *staged |= UINT64_C(1) << b;
+    }
+  return true;
+}
+
 /* Has each see where the others' rooms are. All ranks call it. */
 static inline bool connect_ranks(solver *s) {
   rank_state *r = &s->ranks;
   rank_address all[RANKS_OF_CUDA], mine = address_of(s);
   char *seen[2][RANKS_OF_CUDA] = {};
-  char text[160] = "a rank can't reach another's memory";
-  bool sees = cudaStreamSynchronize(s->stream) == cudaSuccess; /* what is new is empty by now */
+  uint64_t reached = 0, staged = 0;
+  bool fine = cudaStreamSynchronize(s->stream) == cudaSuccess; /* what is new is empty by now */
   close_handles(s);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
   for (uint32_t k = 0; k < r->count; ++k) {
     char *its[2] = {mine.room, mine.inbox};
-    const char *why = k == r->rank ? nullptr : see_memory(s, k, mine, all[k], its);
-    if (why && sees)
-      snprintf(text, sizeof text, "rank %u, as rank %u sees it, %s", k, r->rank, why);
-    sees = sees && !why;
+    if (k == r->rank || see_memory(s, k, mine, all[k], its)) reached |= UINT64_C(1) << k;
     r->one_by_one = r->one_by_one || shares_device(all, r->count, k);
     seen[0][k] = its[0];
     seen[1][k] = its[1];
   }
-  if (!on_all_ranks(s, sees)) {
-    refuse_on_ranks(s, PBF_ERROR_UNSUPPORTED, text);
+  if (!agree_on_staged(s, reached, &staged)) return false;
+  fine = fine && take_mirrors(s, staged, rank_room_bytes(r), seen[0]);
+  if (!on_all_ranks(s, fine)) {
+    refuse_on_ranks(s, PBF_ERROR_OUT_OF_MEMORY,
+                    "the host of a rank has no memory for what it exchanges with others");
     return false;
   }
   r->changed = false;
+  for (uint32_t k = 0; k < r->count; ++k)
+    if (staged >> k & 1) seen[1][k] = nullptr;
   if (pbf_cuda_check(
           cudaMemcpyAsync(r->control->rooms, seen, sizeof seen, cudaMemcpyHostToDevice, s->stream),
-          "cudaMemcpyAsync") != PBF_OK)
+          "cudaMemcpyAsync") != PBF_OK ||
+      pbf_cuda_check(cudaMemcpyAsync(&r->control->staged, &staged, sizeof staged,
+                                     cudaMemcpyHostToDevice, s->stream),
+                     "cudaMemcpyAsync") != PBF_OK)
     lose_ranks(s, PBF_ERROR_DEVICE, "a copy to the device of a rank has failed");
   return !r->failed;
 }
@@ -347,6 +315,7 @@ static inline void free_ranks(solver *s) {
     if (event) cudaEventDestroy(event);
   if (s->ranks.edges) cudaStreamDestroy(s->ranks.edges);
   close_handles(s);
+  free_staging(&s->ranks.staging);
   if (s->ranks.report && cudaFreeHost(s->ranks.report) != cudaSuccess) cudaGetLastError();
 }
 
@@ -356,7 +325,7 @@ static inline pbf_status describe_ranks(solver *s, const pbf_ranks *ranks) {
   s->scene_capacity = s->capacity;
   if (!ranks) return PBF_OK;
   if (ranks->count > RANKS_OF_CUDA) {
-    s->host->set_error("\"cuda\" works on up to 64 ranks, those of one host");
+    s->host->set_error("\"cuda\" works on up to 64 ranks");
     return PBF_ERROR_UNSUPPORTED;
   }
   r->link = *ranks;

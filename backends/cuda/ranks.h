@@ -1,7 +1,9 @@
 /* Part of solver.h: what a solver that is one of some ranks (pbf/ranks.h) knows of the others. Each
- * rank has a device, all of one host. A rank's share is a run of the order of all particles by cell
- * and id, and it holds copies of what is near before and behind it, as on CPUs: cpu/shares.h says
- * why. Devices write into each other's memory, and tell each other by numbers that grow. */
+ * rank has a device. A rank's share is a run of the order of all particles by cell and id, and it
+ * holds copies of what is near before and behind it, as on CPUs: cpu/shares.h says why. Devices
+ * write into each other's memory, and tell each other by numbers that grow. Those that do not reach
+ * each other's, as on two hosts, write into a mirror of it, and hosts exchange what changed there:
+ * staging.h. */
 #ifndef PBF_CUDA_RANKS_H
 #define PBF_CUDA_RANKS_H
 
@@ -28,8 +30,11 @@ struct rank_share {
 /* What each rank's device finds out of all ranks' bins. */
 struct rank_plan {
   rank_share shares[RANKS_OF_CUDA];
-  uint32_t inbox_first[RANKS_OF_CUDA]; /* where its particles begin in those that each one gets */
-  uint32_t received;                   /* that it gets of the others */
+  uint32_t inbox_first[RANKS_OF_CUDA]; /* where its particles begin in those that each one gets,
+                                          or, of staged ones, in its outbox */
+  uint32_t sent[RANKS_OF_CUDA];        /* particles that it sends to each, … */
+  uint32_t got[RANKS_OF_CUDA];         /* … and gets of each, … */
+  uint32_t received;                   /* … and of all together */
   uint32_t fits;                       /* each rank has room for what it is to hold */
   unsigned long long sequence;         /* of this plan; written last */
 };
@@ -41,7 +46,9 @@ struct rank_control {
   uint32_t sent[RANKS_OF_CUDA];
   uint32_t arrived; /* blocks */
   uint32_t lost;    /* a rank has not come within the time that there is */
-  char *rooms[RANKS_OF_CUDA], *inboxes[RANKS_OF_CUDA]; /* of all, as this device sees them */
+  char *rooms[RANKS_OF_CUDA], *inboxes[RANKS_OF_CUDA]; /* of all, as this device sees them; of
+                                                          staged ones mirrors, and null */
+  uint64_t staged;                                     /* a bit for each of these */
 };
 
 /* What the device tells the host, in the host's memory. */
@@ -56,10 +63,15 @@ static inline __host__ __device__ uint64_t *rank_arrivals(char *room) {
   return reinterpret_cast<uint64_t *>(room);
 }
 
+static inline __host__ __device__ uint64_t rank_bins_begin(uint32_t ranks, uint32_t turn,
+                                                           uint32_t of) {
+  return RANKS_OF_CUDA * sizeof(uint64_t) +
+         ((uint64_t)turn * ranks + of) * RANK_BINS * sizeof(uint32_t);
+}
+
 static inline __host__ __device__ uint32_t *rank_bins(char *room, uint32_t ranks, uint32_t turn,
                                                       uint32_t of) {
-  uint32_t *all = reinterpret_cast<uint32_t *>(room + RANKS_OF_CUDA * sizeof(uint64_t));
-  return all + ((uint64_t)turn * ranks + of) * RANK_BINS;
+  return reinterpret_cast<uint32_t *>(room + rank_bins_begin(ranks, turn, of));
 }
 
 static inline __host__ __device__ uint64_t rank_mail_begin(uint32_t ranks) {
@@ -72,10 +84,13 @@ static inline __host__ __device__ uint64_t rank_mail_bytes(uint32_t halo) {
 
 /* Behind it, what its own particles add to the cells of a pressure grid, which the others read. One
  * is enough: shares, which all find together, come between one step's and the next. */
+static inline __host__ __device__ uint64_t rank_sums_begin(uint32_t ranks, uint32_t halo) {
+  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo);
+}
+
 static inline __host__ __device__ unsigned long long *rank_sums(char *room, uint32_t ranks,
                                                                 uint32_t halo) {
-  return reinterpret_cast<unsigned long long *>(room + rank_mail_begin(ranks) +
-                                                2 * rank_mail_bytes(halo));
+  return reinterpret_cast<unsigned long long *>(room + rank_sums_begin(ranks, halo));
 }
 
 /* A sum, a place and the moves along the axes, for each index. */
@@ -83,16 +98,19 @@ enum { RANK_SUMS = 2 + PBF_DIM };
 
 /* And behind them, where the further compartments of each cell begin: what a thin
  * solid divides each device numbers as it comes to it. */
+static inline __host__ __device__ uint64_t rank_further_begin(uint32_t ranks, uint32_t halo,
+                                                              uint64_t indices) {
+  return rank_sums_begin(ranks, halo) + indices * RANK_SUMS * sizeof(unsigned long long);
+}
+
 static inline __host__ __device__ uint32_t *rank_further(char *room, uint32_t ranks, uint32_t halo,
                                                          uint64_t indices) {
-  return reinterpret_cast<uint32_t *>(rank_sums(room, ranks, halo) + RANK_SUMS * indices);
+  return reinterpret_cast<uint32_t *>(room + rank_further_begin(ranks, halo, indices));
 }
 
 /* Behind all of that, numbers that are summed up: `numbers` of each rank, which it writes there. */
 static inline uint64_t rank_numbers_begin(uint32_t ranks, uint32_t halo, uint64_t indices) {
-  return rank_mail_begin(ranks) + 2 * rank_mail_bytes(halo) +
-         indices * RANK_SUMS * sizeof(unsigned long long) +
-         (indices + indices % 2) * sizeof(uint32_t);
+  return rank_further_begin(ranks, halo, indices) + (indices + indices % 2) * sizeof(uint32_t);
 }
 
 /* And a byte for each of its own particles, in which others note something about it. */
@@ -144,10 +162,45 @@ static inline __host__ __device__ rank_inbox rank_inbox_in(char *at, uint32_t ca
   return in;
 }
 
+/* The fields that there are, for what treats all alike. */
+struct rank_inbox_field {
+  char *at;
+  uint64_t bytes; /* of a particle */
+};
+
+enum { RANK_INBOX_FIELDS = 8 };
+
+static inline uint32_t rank_inbox_fields(const rank_inbox &in,
+                                         rank_inbox_field fields[RANK_INBOX_FIELDS]) {
+  const rank_inbox_field all[RANK_INBOX_FIELDS] = {
+      {reinterpret_cast<char *>(in.points), sizeof *in.points},
+      {reinterpret_cast<char *>(in.velocities), sizeof *in.velocities},
+      {reinterpret_cast<char *>(in.ids), sizeof *in.ids},
+      {reinterpret_cast<char *>(in.last_pressure), sizeof *in.last_pressure},
+      {reinterpret_cast<char *>(in.overlap), sizeof *in.overlap},
+      {reinterpret_cast<char *>(in.activity), sizeof *in.activity},
+      {reinterpret_cast<char *>(in.phase), sizeof *in.phase},
+      {reinterpret_cast<char *>(in.acceleration), sizeof *in.acceleration}};
+  uint32_t count = 0;
+  for (const rank_inbox_field &field : all)
+    if (field.at) fields[count++] = field;
+  return count;
+}
+
 /* Halves of the sort's scratch are of its own particles and of those that it gets. */
 static inline uint64_t rank_scratch_bytes(uint32_t capacity) {
   return 5ull * capacity * sizeof(uint32_t);
 }
+
+/* What is staged in the host's memory that the device sees. */
+struct rank_staging {
+  bool any; /* of any two ranks */
+  bool with[RANKS_OF_CUDA];
+  char *memory;                 /* of all mirrors */
+  char *mirrors[RANKS_OF_CUDA]; /* as the host sees them; its own is where messages come and go */
+  char *outbox, *inbox;         /* particles that are sent, and got */
+  uint64_t outbox_bytes, inbox_bytes;
+};
 
 struct rank_state {
   pbf_ranks link;
@@ -172,6 +225,7 @@ struct rank_state {
   bool wakes;      /* a collider has left sleepers of its own, and those of all are to wake */
   bool all_asleep; /* on all ranks, after the last step; tally->all is 0 or not by it */
   uint32_t *cell_memory;
+  rank_staging staging;
   bool one_by_one;        /* ranks share a device: none may wait there for another */
   uint32_t careful_steps; /* that are to come: kernels may be launched for the first time, … */
   bool careful_once;      /* … as in a sort outside of steps */
@@ -187,5 +241,15 @@ struct rank_state {
   cudaEvent_t inner_done, edges_done[2];
   uint64_t bytes_sent; /* of stages' exchanges */
 };
+
+/* Where stages' fields come, in turns. */
+static inline uint64_t rank_mail(const rank_state *r, uint32_t turn) {
+  return rank_mail_begin(r->count) + turn * rank_mail_bytes(r->halo_room);
+}
+
+/* Of its room, which is as large on all ranks. */
+static inline uint64_t rank_room_bytes(const rank_state *r) {
+  return rank_notes_begin(r->count, r->halo_room, r->index_room, r->number_room) + r->note_room;
+}
 
 #endif

@@ -74,10 +74,10 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
             copy_out(s, &stats->iterations, &s->watch->done, sizeof stats->iterations))
       return status;
   if (s->watch && has_ranks(s) && !most_iterations_of_ranks(s, &stats->iterations))
-    return end_on_ranks(s);
+    return s->ranks.failed;
   if (!stats->count) return PBF_OK;
   if (pbf_status status = count_asleep(s, &stats->asleep)) return status;
-  if (has_ranks(s) && !add_up_asleep(s, &stats->asleep)) return end_on_ranks(s);
+  if (has_ranks(s) && !add_up_asleep(s, &stats->asleep)) return s->ranks.failed;
   iteration_extras extras;
   if (pbf_status status = present_extras(s, &extras)) return status;
   cell_grid grid = present_grid(s, extras.obstacles.domain);
@@ -104,7 +104,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   if (pbf_status status = copy_out(s, partial, on_device, blocks * sizeof *partial)) return status;
   partial_stats sum = empty_stats();
   for (uint32_t k = 0; k < blocks; ++k) merge(&sum, partial[k]);
-  if (has_ranks(s) && !merge_of_ranks(s, &sum)) return end_on_ranks(s);
+  if (has_ranks(s) && !merge_of_ranks(s, &sum)) return s->ranks.failed;
   fill_stats(sum, stats->count, stats);
   return PBF_OK;
 }

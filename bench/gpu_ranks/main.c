@@ -6,8 +6,9 @@
  *                                      pressure grid of cells of 2 h
  *
  * RANKS 0 of `time` is a solver without ranks. With PBF_RANKS_PROCESSES ranks are processes, with
- * PBF_RANKS_BRIEF the default stages alone are checked. Prints
- * one JSON object a line. Exit code 1 when a check failed, 2 when there is no device. */
+ * PBF_RANKS_STAGED what they exchange goes through the host's memory, as between hosts, with
+ * PBF_RANKS_BRIEF the default stages alone are checked. Prints one JSON object a line. Exit code 1
+ * when a check failed, 2 when there is no device. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,6 +23,7 @@
 
 static uint32_t devices;
 static int in_processes; /* ranks are */
+static int staged;       /* what they exchange is */
 
 /* Devices are numbered without a gap. */
 static uint32_t count_devices(void) {
@@ -207,11 +209,12 @@ static int same(const char *what, const scene *s, uint32_t precision, uint32_t s
             many.stats[r].speed_max == alone.stats[0].speed_max &&
             many.stats[r].count == alone.stats[0].count;
   printf(
-      "{\"same\": \"%s\", \"dimension\": %u, \"precision\": %u, \"particles\": %u, \"ranks\": %u, "
+      "{\"same\": \"%s\", \"staged\": %s, \"dimension\": %u, \"precision\": %u, \"particles\": %u, "
+      "\"ranks\": %u, "
       "\"devices\": %u, \"steps\": %u, \"hash\": \"%016llx\", \"of_ranks\": \"%016llx\", "
       "\"density_sum\": [%.17g, %.17g], \"neighbors_max\": [%u, %u], \"good\": %s}\n",
-      what, s->dimension, 8 * precision, scene_count(s), ranks, devices, steps,
-      (unsigned long long)alone.hash[0], (unsigned long long)many.hash[0], alone.density[0],
+      what, staged ? "true" : "false", s->dimension, 8 * precision, scene_count(s), ranks, devices,
+      steps, (unsigned long long)alone.hash[0], (unsigned long long)many.hash[0], alone.density[0],
       many.density[0], alone.stats[0].neighbors_max, many.stats[0].neighbors_max,
       good ? "true" : "false");
   fflush(stdout);
@@ -334,14 +337,15 @@ static void time_scene(uint32_t particles, uint32_t ranks, uint32_t precision, i
   if (count <= MOST_HASHED)
     snprintf(hash, sizeof hash, "\"%016llx\"", (unsigned long long)j.hash[0]);
   printf(
-      "{\"time\": \"shallow-dam-break%s\", \"device\": \"%s\", \"devices\": %u, \"ranks\": %u, "
+      "{\"time\": \"shallow-dam-break%s\", \"staged\": %s, \"device\": \"%s\", \"devices\": %u, "
+      "\"ranks\": %u, "
       "\"particles\": %u, \"precision\": %u, \"steps\": %u, \"ms_per_step\": %.5f, \"min\": %.5f, "
       "\"max\": %.5f, \"bytes\": %llu, \"bytes_of_rooms\": %llu, \"section\": %u, "
       "\"neighbors_mean\": %.3f, \"density_error_mean\": %.5f, \"hash\": %s, \"good\": %s}\n",
-      has_grid ? ", pressure grid" : "", j.name, devices, ranks, count, 8 * precision, j.steps,
-      j.ms[j.runs / 2], j.ms[0], j.ms[j.runs - 1], (unsigned long long)bytes,
-      (unsigned long long)exchanged, j.s.counts[0] * j.s.counts[1], j.stats[0].neighbors_mean,
-      j.stats[0].density_error_mean, hash, agree ? "true" : "false");
+      has_grid ? ", pressure grid" : "", staged ? "true" : "false", j.name, devices, ranks, count,
+      8 * precision, j.steps, j.ms[j.runs / 2], j.ms[0], j.ms[j.runs - 1],
+      (unsigned long long)bytes, (unsigned long long)exchanged, j.s.counts[0] * j.s.counts[1],
+      j.stats[0].neighbors_mean, j.stats[0].density_error_mean, hash, agree ? "true" : "false");
   fflush(stdout);
 }
 
@@ -354,6 +358,8 @@ int main(int argc, char **argv) {
   const char *command = argc > 1 ? argv[1] : "";
   signal(SIGTERM, give_up);
   in_processes = getenv("PBF_RANKS_PROCESSES") != NULL;
+  staged = process_ranks_staged = getenv("PBF_RANKS_STAGED") != NULL;
+  if (staged) thread_ranks_staged_from = 0;
   if (!in_processes) devices = count_devices();
   if (strcmp(command, "same") == 0) {
     return !same_all(argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 2);

@@ -104,6 +104,8 @@ static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_messa
   return status;
 }
 
+int process_ranks_staged;
+
 static const char *reason(void *user) { return ((process_rank *)user)->why; }
 
 static void be_rank(process_rank *me, uint32_t local_capacity, process_rank_fn function,
@@ -116,7 +118,8 @@ static void be_rank(process_rank *me, uint32_t local_capacity, process_rank_fn f
                            .all_gather = all_gather,
                            .sum = sum,
                            .exchange = exchange,
-                           .reason = reason};
+                           .reason = reason,
+                           .host_staged = process_ranks_staged != 0};
   function(me->count ? &ranks : NULL, context);
   fflush(stdout);
   _exit(0);

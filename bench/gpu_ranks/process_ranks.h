@@ -16,4 +16,7 @@ void *process_shared(size_t bytes);
 int process_ranks_run(uint32_t count, uint32_t local_capacity, process_rank_fn function,
                       void *context);
 
+/* 1: those that are run from now on are host_staged. */
+extern int process_ranks_staged;
+
 #endif

@@ -21,12 +21,17 @@ def alone(runs, particles):
     return near[0] if near else None
 
 
+def name(run):
+    """How many ranks, and how they exchange."""
+    return f"{run['ranks'] or 'none'}{', staged' if run.get('staged') else ''}"
+
+
 def rows(runs):
     for run in runs:
         ranks, ms = run["ranks"], run["ms_per_step"]
         whole, part = alone(runs, run["particles"]), alone(runs, run["particles"] / max(ranks, 1))
         yield [
-            f"{run['particles']:,}", str(ranks) if ranks else "none", f"{ms:.4g}", f"{run['min']:.4g} … {run['max']:.4g}",
+            f"{run['particles']:,}", name(run), f"{ms:.4g}", f"{run['min']:.4g} … {run['max']:.4g}",
             f"{whole['ms_per_step'] / ms:.2f}" if whole else "",
             f"{part['ms_per_step'] / ms:.3f}" if part and ranks > 1 else "",
             f"{run['bytes'] / run['particles']:.0f}",

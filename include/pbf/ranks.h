@@ -2,10 +2,12 @@
  *
  * Ranks are solvers, in processes or threads of their own, that hold one scene together. Each holds
  * a share of the particles, and copies of those near its own. Each has a thread, or with the
- * backend "cuda" a device of one host, on which desc.device may differ from rank to rank. All make
- * the same calls of pbf.h in the same order and with the same arguments, as a program without ranks
- * would make them, and get the same answers; a call returns when it has been made on all. Bits are
- * those of one solver, however many ranks there are and wherever space is cut.
+ * backend "cuda" a device: desc.device may differ from rank to rank. Devices that reach each
+ * other's memory write into it; what others exchange, as those of two hosts, goes through the
+ * memory of their hosts and `exchange`. All make the same calls of pbf.h in the same order and with
+ * the same arguments, as a program without ranks would make them, and get the same answers; a call
+ * returns when it has been made on all. Bits are those of one solver, however many ranks there are
+ * and wherever space is cut.
  *
  * Ranks that make other calls, or with other arguments, are told so by the next call that needs
  * them all, before it changes anything. What a rank only asks of itself needs no others:
@@ -59,6 +61,10 @@ typedef struct pbf_ranks {
   pbf_status (*begin_exchange)(void *user, uint32_t send_count, const pbf_rank_message *sends,
                                uint32_t receive_count, const pbf_rank_message *receives);
   pbf_status (*end_exchange)(void *user);
+  /* With "cuda", 1: what this rank exchanges with others goes through hosts, also where devices
+   * reach each other's memory. 0: where they do not. What comes from here on may be missing */
+  uint32_t host_staged;
+  uint32_t reserved;
 } pbf_ranks;
 
 /* Ranks of a solver. */
@@ -67,8 +73,7 @@ typedef struct pbf_ranks {
 /* pbf_create for one of some ranks: `ranks`, which is copied, joins it to the others. Refused, with
  * a sentence, are backends that can't, which are all but `serial` and `cuda`. Views (pbf_map,
  * pbf_export_dlpack) are of a copy of all particles, in the order of adding, on each rank. With
- * `cuda` sleep_speed, loads, friction, periodic axes, phases, a pressure grid, a tolerance and
- * pbf_get_pressures are refused, too. */
+ * `cuda` there are up to 64, and pbf_get_pressures is refused, too. */
 PBF_API pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
                                        const pbf_ranks *ranks, pbf_solver **solver);
 

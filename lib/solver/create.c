@@ -155,12 +155,15 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
-/* Of callers that know of no exchange in two calls. */
+/* Of callers that know of no exchange in two calls, and of those that know of no staging. */
 static const uint32_t size_without_overlap = offsetof(pbf_ranks, begin_exchange);
+static const uint32_t size_without_staging = offsetof(pbf_ranks, host_staged);
 
 /* Checks all members; the sentence is about the first that is wrong. */
 static pbf_status check_ranks(const pbf_ranks *ranks) {
-  if (ranks->struct_size != sizeof *ranks && ranks->struct_size != size_without_overlap)
+  const int whole = ranks->struct_size == sizeof *ranks;
+  const int overlaps = whole || ranks->struct_size == size_without_staging;
+  if (!overlaps && ranks->struct_size != size_without_overlap)
     return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",
                     ranks->struct_size, (uint32_t)sizeof *ranks);
   if (ranks->count < 1 || ranks->count > PBF_MAX_RANKS)
@@ -173,12 +176,16 @@ static pbf_status check_ranks(const pbf_ranks *ranks) {
   if (ranks->local_capacity > PBF_MAX_CAPACITY)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->local_capacity is %u; it must be 0 … %u",
                     ranks->local_capacity, PBF_MAX_CAPACITY);
-  const int whole = ranks->struct_size == sizeof *ranks;
   if (!ranks->all_gather || !ranks->sum || !ranks->exchange || !ranks->reason ||
-      (whole && !ranks->begin_exchange != !ranks->end_exchange))
+      (overlaps && !ranks->begin_exchange != !ranks->end_exchange))
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "a function of ranks is null; all are needed but release and, both or "
                     "neither, begin_exchange and end_exchange");
+  if (whole && (ranks->host_staged > 1 || ranks->reserved))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->%s is %u; it must be 0%s",
+                    ranks->reserved ? "reserved" : "host_staged",
+                    ranks->reserved ? ranks->reserved : ranks->host_staged,
+                    ranks->reserved ? "" : " or 1");
   for (uint32_t k = 0; k < ranks->count && ranks->shares; ++k)
     if (!(ranks->shares[k] > 0 && isfinite(ranks->shares[k])))
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,

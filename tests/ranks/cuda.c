@@ -218,7 +218,7 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
-static void expect_same(const char *what, scene *c, uint32_t ranks, const double *shares) {
+static void expect_same_once(const char *what, scene *c, uint32_t ranks, const double *shares) {
   memset(c->hashes_seen, 0, sizeof c->hashes_seen);
   thread_ranks_run(ranks, 0, shares, NULL, run_on_ranks, c);
   if (ranks_failures()) fail_msg("%s, on %u ranks: other answers", what, ranks);
@@ -226,6 +226,17 @@ static void expect_same(const char *what, scene *c, uint32_t ranks, const double
     if (c->hashes_seen[r] != c->hash)
       fail_msg("%s, %uD float%u, rank %u of %u: other bits", what, c->dimension, 8 * c->precision,
                r, ranks);
+}
+
+/* Where devices write into each other's memory, and where the last one is of another host. */
+static void expect_same(const char *what, scene *c, uint32_t ranks, const double *shares) {
+  char text[96];
+  expect_same_once(what, c, ranks, shares);
+  if (ranks < 2) return;
+  snprintf(text, sizeof text, "%s, the last rank staged", what);
+  thread_ranks_staged_from = ranks - 1;
+  expect_same_once(text, c, ranks, shares);
+  thread_ranks_staged_from = MAX_THREAD_RANKS;
 }
 
 static void check(const char *what, scene *c) {
@@ -503,8 +514,40 @@ static void too_little_room_is_told(void **state) {
   (void)state;
   scene c = scene_of(3, PBF_FLOAT32);
   c.params.prestabilization = 0;
-  thread_ranks_run(2, COUNT / 2 + 32, NULL, NULL, too_little_room, &c);
-  assert_int_equal(ranks_failures(), 0);
+  for (uint32_t staged_from = 0; staged_from < 3; ++staged_from) {
+    thread_ranks_staged_from = staged_from;
+    thread_ranks_run(2, COUNT / 2 + 32, NULL, NULL, too_little_room, &c);
+    assert_int_equal(ranks_failures(), 0);
+  }
+  thread_ranks_staged_from = MAX_THREAD_RANKS;
+}
+
+/* Rank 1 is gone in the midst of a step, and what is staged does not come. */
+static void die(const pbf_ranks *ranks, void *context) {
+  scene *c = context;
+  const pbf_desc desc = desc_of(c);
+  pbf_solver *s = NULL;
+  uint64_t hash;
+  if (!EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s))) return;
+  fill(c, s, COUNT, 0);
+  EXPECT_FAILS(pbf_step(s, 20), PBF_ERROR_UNAVAILABLE,
+               ranks->rank == 1 ? "this rank is dead" : "a rank has not answered");
+  if (ranks->rank != 1)
+    EXPECT_FAILS(pbf_hash(s, &hash), PBF_ERROR_STATE, "nothing but pbf_destroy");
+  pbf_destroy(s);
+}
+
+static void a_staged_rank_that_dies_ends_the_call_on_all(void **state) {
+  static const uint64_t after[] = {12, 13, 14, 15, 16, 17, 18, 40};
+  (void)state;
+  scene c = scene_of(3, PBF_FLOAT32);
+  thread_ranks_staged_from = 0;
+  for (size_t k = 0; k < sizeof after / sizeof after[0]; ++k) {
+    const uint64_t dies_after[2] = {0, after[k]};
+    thread_ranks_run(2, 0, NULL, dies_after, die, &c);
+    assert_int_equal(ranks_failures(), 0);
+  }
+  thread_ranks_staged_from = MAX_THREAD_RANKS;
 }
 
 /* Devices are numbered without a gap. */
@@ -533,6 +576,7 @@ int main(void) {
       cmocka_unit_test(it_does_not_matter_where_space_is_cut),
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
       cmocka_unit_test(too_little_room_is_told),
+      cmocka_unit_test(a_staged_rank_that_dies_ends_the_call_on_all),
   };
   return TEST_RUN(tests);
 }

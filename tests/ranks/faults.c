@@ -120,6 +120,38 @@ static void exchange_in_one_call(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
+/* A caller that knows of no staging, and ones that ask for what there is not. */
+static void ask_for_staging(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const pbf_desc desc = desc_of();
+  pbf_ranks wrong = *ranks, older = *ranks;
+  pbf_solver *s = NULL;
+  (void)context;
+  wrong.host_staged = 2;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &wrong, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks->host_staged is 2; it must be 0 or 1");
+  wrong.host_staged = 0, wrong.reserved = 3;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &wrong, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks->reserved is 3; it must be 0");
+  older.struct_size = offsetof(pbf_ranks, host_staged);
+  older.end_exchange = NULL;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &older, &s), PBF_ERROR_INVALID_ARGUMENT,
+               "both or neither, begin_exchange and end_exchange");
+  older.end_exchange = ranks->end_exchange;
+  s = solver_on(&older, &params);
+  if (!s) return;
+  const uint64_t before = thread_rank_of(ranks)->exchanges;
+  fill(s, 0);
+  EXPECT_OK(pbf_step(s, 2));
+  EXPECT(thread_rank_of(ranks)->exchanges > before);
+  pbf_destroy(s);
+}
+
+static void staging_may_be_asked_for(void **state) {
+  (void)state;
+  run(2, 0, ask_for_staging, NULL);
+}
+
 static void ranks_of_older_callers_wait_while_they_exchange(void **state) {
   (void)state;
   run(2, 0, exchange_in_one_call, NULL);
@@ -489,6 +521,7 @@ int main(void) {
       cmocka_unit_test(what_ranks_do_not_have_is_refused),
       cmocka_unit_test(wrong_ranks_are_told),
       cmocka_unit_test(ranks_of_older_callers_wait_while_they_exchange),
+      cmocka_unit_test(staging_may_be_asked_for),
       cmocka_unit_test(ranks_that_differ_are_told_in_what),
       cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),

@@ -151,6 +151,7 @@ static pbf_status end_exchange(void *user) {
 }
 
 int thread_ranks_overlap = 1;
+uint32_t thread_ranks_staged_from = MAX_THREAD_RANKS;
 
 static const char *reason(void *user) { return ((thread_rank *)user)->reason; }
 
@@ -189,7 +190,8 @@ void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *sha
                              .reason = reason,
                              .shares = shares,
                              .begin_exchange = thread_ranks_overlap ? begin_exchange : NULL,
-                             .end_exchange = thread_ranks_overlap ? end_exchange : NULL};
+                             .end_exchange = thread_ranks_overlap ? end_exchange : NULL,
+                             .host_staged = r >= thread_ranks_staged_from};
     calls[r] = (thread_call){ranks, function, context};
     if (pthread_create(&threads[r], NULL, call, &calls[r])) abort();
   }

@@ -46,6 +46,9 @@ void thread_ranks_run(uint32_t count, uint32_t local_capacity, const double *sha
 /* 0: those that are run from now on do not exchange in two calls. */
 extern int thread_ranks_overlap;
 
+/* The first of those ranks that are host_staged. */
+extern uint32_t thread_ranks_staged_from;
+
 /* cmocka's assertions are for the thread of the test; these note what fails in any, print it, and
  * give the condition back. */
 int rank_expect(int holds, const char *what, const char *file, int line);

@@ -23,6 +23,8 @@ typedef struct pbf_mpi_options {
                               and what lies near the ends of it in a cube. On all ranks the same */
   double timeout;          /* seconds after which a rank that has not answered counts as gone; 60 */
   const double *shares;    /* as in pbf_ranks; null: by measured time */
+  uint32_t host_staged;    /* as in pbf_ranks. What comes from here on may be missing: struct_size */
+  uint32_t reserved;
 } pbf_mpi_options;
 
 /* Fills *options with the defaults. */
