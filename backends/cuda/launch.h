@@ -1,4 +1,4 @@
-/* One thread a particle. */
+/* Launches: one thread a particle, and blocks that wait for each other. */
 #ifndef PBF_CUDA_LAUNCH_H
 #define PBF_CUDA_LAUNCH_H
 
@@ -14,6 +14,25 @@ static inline uint32_t blocks_for(uint32_t count) { return (count + PBF_BLOCK - 
 static __device__ __forceinline__ uint32_t thread_index() {
   await_launches_before();
   return blockIdx.x * blockDim.x + threadIdx.x;
+}
+
+/* Of blocks that wait for each other. cudaLaunchCooperativeKernel of CUDA 12 takes no function of
+ * C++. */
+template <class... Parameters, class... Arguments>
+static inline cudaError_t launch_cooperative(cudaStream_t stream, void (*kernel)(Parameters...),
+                                             uint32_t blocks, uint32_t threads, size_t shared,
+                                             const Arguments &...arguments) {
+  cudaLaunchAttribute cooperative;
+  cooperative.id = cudaLaunchAttributeCooperative;
+  cooperative.val.cooperative = 1;
+  cudaLaunchConfig_t config = {};
+  config.gridDim = dim3(blocks);
+  config.blockDim = dim3(threads);
+  config.dynamicSmemBytes = shared;
+  config.stream = stream;
+  config.attrs = &cooperative;
+  config.numAttrs = 1;
+  return cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...);
 }
 
 #endif

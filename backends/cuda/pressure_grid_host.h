@@ -112,10 +112,14 @@ static inline pbf_status launch_pressure_grid_solve(solver *s, const pbf_pressur
   static const char name[] = "launch of the pressure grid";
   if (way.blocks == 0) {
     if (way.levels.count)
-      return launch_resident(s, pressure_grid_levels_kernel<pressure_grid_in_memory>, resident,
-                             PRESSURE_GRID_THREADS, way.shared, name, grid, arrays, way.levels);
-    return launch_resident(s, pressure_grid_solve_kernel<pressure_grid_in_memory>, resident,
-                           PRESSURE_GRID_THREADS, 0, name, grid, arrays);
+      return pbf_cuda_check(
+          launch_cooperative(s->stream, pressure_grid_levels_kernel<pressure_grid_in_memory>,
+                             resident, PRESSURE_GRID_THREADS, way.shared, grid, arrays, way.levels),
+          name);
+    return pbf_cuda_check(
+        launch_cooperative(s->stream, pressure_grid_solve_kernel<pressure_grid_in_memory>, resident,
+                           PRESSURE_GRID_THREADS, 0, grid, arrays),
+        name);
   }
   cudaLaunchAttribute attributes[2];
   cudaLaunchConfig_t config = pressure_grid_config(s, way.blocks, way.shared, attributes);

@@ -41,10 +41,8 @@ pbf_status launch_small(cudaStream_t stream, int features, uint32_t blocks,
                   : scene.accelerated || scene.wall_density
                       ? small_kernel<FEATURES, true, NO_SURFACES>
                       : small_kernel<FEATURES, false, NO_SURFACES>;
-    void *pointers[] = {const_cast<small_scene *>(&scene), const_cast<small_buffers *>(&buffers),
-                        const_cast<general_buffers *>(&general)};
-    status = pbf_cuda_check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(SMALL_THREADS),
-                                                        pointers, scene.layout.bytes(), stream),
+    status = pbf_cuda_check(launch_cooperative(stream, kernel, blocks, SMALL_THREADS,
+                                               scene.layout.bytes(), scene, buffers, general),
                             "small_kernel");
   });
   return status;

@@ -150,16 +150,6 @@ static inline uint32_t particles_of_all(const solver *s) {
   return has_ranks(s) ? s->ranks.total : s->count;
 }
 
-/* Launches blocks that wait for each other. */
-template <class Kernel, class... Arguments>
-static pbf_status launch_resident(const solver *s, Kernel kernel, uint32_t blocks, uint32_t threads,
-                                  size_t shared, const char *name, Arguments... arguments) {
-  void *pointers[] = {&arguments...};
-  return pbf_cuda_check(
-      cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(threads), pointers, shared, s->stream),
-      name);
-}
-
 static inline cudaLaunchAttribute early_launch() {
   cudaLaunchAttribute early;
   early.id = cudaLaunchAttributeProgrammaticStreamSerialization;

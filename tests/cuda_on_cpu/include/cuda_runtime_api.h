@@ -145,6 +145,7 @@ inline cudaError_t cudaHostGetDevicePointer(T **device, void *host, unsigned fla
 
 struct cudaLaunchConfig_t;
 enum cudaLaunchAttributeID {
+  cudaLaunchAttributeCooperative = 2,
   cudaLaunchAttributeClusterDimension = 4,
   cudaLaunchAttributeProgrammaticStreamSerialization = 6
 };
@@ -154,7 +155,7 @@ struct cudaLaunchAttribute {
     struct {
       unsigned x, y, z;
     } clusterDim;
-    int programmaticStreamSerializationAllowed;
+    int programmaticStreamSerializationAllowed, cooperative;
   } val;
 };
 struct cudaLaunchConfig_t {
@@ -256,40 +257,26 @@ inline pending_launch<Parameters...> launch(const char *name, void (*kernel)(Par
           stream};
 }
 
-template <class... Parameters, size_t... Index>
-inline cudaError_t launch_by_pointers(const launch_shape &shape, void **arguments,
-                                      cudaStream_t stream, void (*)(Parameters...),
-                                      std::index_sequence<Index...>) {
-  return launch_on(
-      stream, shape,
-      new kernel_work<Parameters...>(
-          shape, {*static_cast<typename std::decay<Parameters>::type *>(arguments[Index])...}));
-}
-
 }  // namespace emulated
-
-template <class... Parameters>
-inline cudaError_t cudaLaunchCooperativeKernel(void (*kernel)(Parameters...), dim3 grid, dim3 block,
-                                               void **arguments, size_t shared,
-                                               cudaStream_t stream) {
-  return emulated::launch_by_pointers(
-      {"a cooperative kernel", reinterpret_cast<const void *>(kernel), grid, block, shared, true,
-       false},
-      arguments, stream, kernel, std::index_sequence_for<Parameters...>());
-}
 
 template <class... Parameters, class... Arguments>
 inline cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t *config,
                                       void (*kernel)(Parameters...), Arguments &&...arguments) {
-  bool cluster = false, early = false;
-  for (unsigned k = 0; k < config->numAttrs; ++k)
-    (config->attrs[k].id == cudaLaunchAttributeClusterDimension ? cluster : early) = true;
-  const emulated::launch_shape shape = {cluster ? "a kernel of a cluster" : "an early kernel",
+  const char *name = "an early kernel";
+  bool together = false, early = false;
+  for (unsigned k = 0; k < config->numAttrs; ++k) {
+    const cudaLaunchAttributeID id = config->attrs[k].id;
+    early = early || id == cudaLaunchAttributeProgrammaticStreamSerialization;
+    if (id == cudaLaunchAttributeProgrammaticStreamSerialization) continue;
+    name = id == cudaLaunchAttributeCooperative ? "a cooperative kernel" : "a kernel of a cluster";
+    together = true;
+  }
+  const emulated::launch_shape shape = {name,
                                         reinterpret_cast<const void *>(kernel),
                                         config->gridDim,
                                         config->blockDim,
                                         config->dynamicSmemBytes,
-                                        cluster,
+                                        together,
                                         early};
   return emulated::launch_on(
       config->stream, shape,
