@@ -1,12 +1,10 @@
 /* Whether this machine can serve a solver, and if not, why. Creates no context. */
 #include <stdio.h>
 
+#include "cuda/architectures.h"
 #include "cuda/plugin.h"
 
 namespace {
-
-/* Oldest generation that the plugin has code for. */
-enum { OLDEST_MAJOR = 8 };
 
 void say_no_driver(pbf_probe_result *result) {
   int version = 0;
@@ -63,10 +61,11 @@ void pbf_cuda_probe(const pbf_workload *workload, pbf_probe_result *result) {
   minor = properties.minor;
   multiprocessors = properties.multiProcessorCount;
   snprintf(result->device_name, sizeof result->device_name, "%.95s", properties.name);
-  if (major < OLDEST_MAJOR) {
+  if (!pbf_cuda_has_code(PBF_CUDA_ARCHITECTURES, 10 * major + minor)) {
     snprintf(result->reason, sizeof result->reason,
-             "no code for compute capability %d.%d of device %d; the build starts at %d.0", major,
-             minor, workload->device, OLDEST_MAJOR);
+             "no code for compute capability %d.%d of device %d; PBF_CUDA_ARCHITECTURES of the "
+             "build is %s",
+             major, minor, workload->device, PBF_CUDA_ARCHITECTURES);
     return;
   }
   result->score = score_of(workload, multiprocessors);
