@@ -99,6 +99,71 @@ void cuda_write(cuda_address to, const void *from, uint64_t bytes) {
   CALL("cuMemcpyHtoD_v2", (cuda_address, const void *, size_t), to, from, bytes);
 }
 
+/* As in cuda.h; what is left out of unions is longer than a descriptor. */
+enum { OPAQUE_FD = 1 };
+typedef struct memory_desc {
+  int type;
+  union {
+    int descriptor;
+    void *pointers[2];
+  } handle;
+  unsigned long long size;
+  unsigned flags, reserved[16];
+} memory_desc;
+typedef struct mapping_desc {
+  unsigned long long offset, size;
+  unsigned flags, reserved[16];
+} mapping_desc;
+typedef struct semaphore_desc {
+  int type;
+  union {
+    int descriptor;
+    void *pointers[2];
+  } handle;
+  unsigned flags, reserved[16];
+} semaphore_desc;
+typedef struct signal_desc {
+  unsigned long long numbers[3];
+  unsigned more[12], flags, reserved[16];
+} signal_desc;
+
+cuda_memory cuda_import_memory(int descriptor, uint64_t bytes) {
+  const memory_desc desc = {.type = OPAQUE_FD, .handle.descriptor = descriptor, .size = bytes};
+  const mapping_desc whole = {.size = bytes};
+  cuda_memory memory = {NULL, 0};
+  CALL("cuImportExternalMemory", (void **, const memory_desc *), &memory.handle, &desc);
+  CALL("cuExternalMemoryGetMappedBuffer", (cuda_address *, void *, const mapping_desc *),
+       &memory.address, memory.handle, &whole);
+  return memory;
+}
+
+void cuda_destroy_memory(cuda_memory memory) {
+  cuda_give_back(memory.address);
+  CALL("cuDestroyExternalMemory", (void *), memory.handle);
+}
+
+cuda_semaphore cuda_import_semaphore(int descriptor) {
+  const semaphore_desc desc = {.type = OPAQUE_FD, .handle.descriptor = descriptor};
+  cuda_semaphore semaphore = NULL;
+  CALL("cuImportExternalSemaphore", (cuda_semaphore *, const semaphore_desc *), &semaphore, &desc);
+  return semaphore;
+}
+
+void cuda_destroy_semaphore(cuda_semaphore semaphore) {
+  CALL("cuDestroyExternalSemaphore", (cuda_semaphore), semaphore);
+}
+
+void cuda_signal(cuda_semaphore semaphore, cuda_stream stream) {
+  const signal_desc once = {.flags = 0};
+  CALL("cuSignalExternalSemaphoresAsync",
+       (const cuda_semaphore *, const signal_desc *, unsigned, cuda_stream), &semaphore, &once, 1,
+       stream);
+}
+
+void cuda_get_uuid(unsigned char uuid[16]) {
+  CALL("cuDeviceGetUuid_v2", (unsigned char *, int), uuid, device_0());
+}
+
 int cuda_can_hold(void) { return 1; }
 
 static const char kernels[] =

@@ -31,6 +31,24 @@ void cuda_give_back(cuda_address address);
 void cuda_read(void *to, cuda_address from, uint64_t bytes);
 void cuda_write(cuda_address to, const void *from, uint64_t bytes);
 
+/* Memory and a semaphore of another API, by file descriptors, which then are CUDA's. */
+typedef struct cuda_memory {
+  void *handle;
+  cuda_address address;
+} cuda_memory;
+typedef struct CUextSemaphore_st *cuda_semaphore;
+
+cuda_memory cuda_import_memory(int descriptor, uint64_t bytes);
+void cuda_destroy_memory(cuda_memory memory);
+cuda_semaphore cuda_import_semaphore(int descriptor);
+void cuda_destroy_semaphore(cuda_semaphore semaphore);
+
+/* Signals it once `stream` has come as far. */
+void cuda_signal(cuda_semaphore semaphore, cuda_stream stream);
+
+/* Of device 0. */
+void cuda_get_uuid(unsigned char uuid[16]);
+
 /* Whether cuda_hold does: on a device that the CPU emulates it does nothing. */
 int cuda_can_hold(void);
 
