@@ -7,8 +7,12 @@ template <class Function>
 static Function pbf_cuda_driver_function(const char *name) {
   void *address = nullptr;
   cudaDriverEntryPointQueryResult result;
+#if CUDART_VERSION >= 12050 /* from then on; CUDA 13 has no other */
   cudaError_t error =
       cudaGetDriverEntryPointByVersion(name, &address, 12000, cudaEnableDefault, &result);
+#else
+  cudaError_t error = cudaGetDriverEntryPoint(name, &address, cudaEnableDefault, &result);
+#endif
   if (error != cudaSuccess) cudaGetLastError();
   return error == cudaSuccess ? reinterpret_cast<Function>(address) : nullptr;
 }
