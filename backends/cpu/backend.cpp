@@ -362,10 +362,17 @@ static pbf_status any_of_ranks(solver *s, uint32_t mine, uint32_t *any) {
 
 static void note_settings(solver *s, uint64_t settings) { s->ranks.settings = settings; }
 
+static pbf_status own_ids(solver *s, uint32_t *count, uint32_t *ids) {
+  *count = s->count;
+  if (ids && s->count) memcpy(ids, s->buffers.ids, s->count * sizeof *ids);
+  return PBF_OK;
+}
+
 /* That it works on ranks, with phases: pbf_backend_desc.ranks. And how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
-  static const pbf_backend_ranks_tell tell = {sizeof tell, 0, any_of_ranks, note_settings};
+  static const pbf_backend_ranks_tell tell = {sizeof tell,   0,       any_of_ranks,
+                                              note_settings, own_ids, read_own};
   if (!(PBF_BUILT & PBF_FEATURE_RANKS)) return pbf_common_extension(name);
   if (strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
   return strcmp(name, PBF_BACKEND_RANKS) == 0 ? &works : pbf_common_extension(name);

@@ -381,13 +381,29 @@ static void note_settings(pbf_backend_solver *handle, uint64_t settings) {
   of(handle)->ranks.settings = settings;
 }
 
+static pbf_status own_ids(pbf_backend_solver *handle, uint32_t *count, uint32_t *ids) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  *count = s->count;
+  if (!ids || !s->count) return PBF_OK;
+  return copy_out(s, ids, s->ids + s->first, s->count * sizeof *ids);
+}
+
+static pbf_status read_own(pbf_backend_solver *handle, uint32_t field, const pbf_rows *rows,
+                           void *out) {
+  solver *s = of(handle);
+  pbf_cuda_scope scope(s->context);
+  if (pbf_status status = settle_state(s)) return status;
+  return population_read(s, field, rows, out);
+}
+
 /* That it works on ranks, with phases: pbf_backend_desc.ranks; how worlds of a batch step together;
  * the caller's memory on the device; and how many colliders it takes. */
 static const void *get_extension(const char *name) {
   static const uint32_t works = 2;
   static const pbf_backend_worlds worlds = {sizeof(pbf_backend_worlds), 0, let_put_off, run_worlds};
-  static const pbf_backend_ranks_tell tell = {sizeof(pbf_backend_ranks_tell), 0, any_of_ranks,
-                                              note_settings};
+  static const pbf_backend_ranks_tell tell = {
+      sizeof(pbf_backend_ranks_tell), 0, any_of_ranks, note_settings, own_ids, read_own};
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS) == 0) return &works;
   if ((PBF_BUILT & PBF_FEATURE_RANKS) && strcmp(name, PBF_BACKEND_RANKS_TELL) == 0) return &tell;
   if (strcmp(name, PBF_BACKEND_DEVICE_ROWS) == 0) return &device_calls;

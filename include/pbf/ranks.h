@@ -11,7 +11,8 @@
  *
  * Ranks that make other calls, or with other arguments, are told so by the next call that needs
  * them all, before it changes anything. What a rank only asks of itself needs no others:
- * pbf_get_count, pbf_get_info, pbf_get_plan, pbf_get_ids, pbf_get_collider and the like.
+ * pbf_get_count, pbf_get_info, pbf_get_plan, pbf_get_ids, pbf_get_collider, pbf_get_share and the
+ * like.
  *
  * pbf_cancel, on one rank or on several, ends the call on all after the same step, and so does
  * pbf_destroy of begun steps.
@@ -76,6 +77,15 @@ typedef struct pbf_ranks {
  * `cuda` there are up to 64, and pbf_get_pressures is refused, too. */
 PBF_API pbf_status pbf_create_on_ranks(const pbf_desc *desc, const pbf_params *params,
                                        const pbf_ranks *ranks, pbf_solver **solver);
+
+/* Particles of this rank's own share, of which each is in one: what a file for each rank holds. It
+ * asks no other rank, and wants no memory for the others' particles. `count` gets how many there
+ * are; with `ids`, which has `room` for so many, their ids, ascending, and with `values`, too,
+ * their `field`, PBF_FIELD_POSITION or PBF_FIELD_VELOCITY, laid out as by pbf_get_positions. With
+ * both null it only counts. Shares change with each step. A solver without ranks has all particles.
+ */
+PBF_API pbf_status pbf_get_share(pbf_solver *solver, uint32_t field, uint32_t room, uint32_t *count,
+                                 uint32_t *ids, void *values);
 
 #ifdef __cplusplus
 }

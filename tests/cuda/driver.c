@@ -99,7 +99,7 @@ void cuda_write(cuda_address to, const void *from, uint64_t bytes) {
   CALL("cuMemcpyHtoD_v2", (cuda_address, const void *, size_t), to, from, bytes);
 }
 
-/* As in cuda.h; what is left out of unions is longer than a descriptor. */
+/* As CUDA's driver has them; what is left out of unions is longer than a descriptor. */
 enum { OPAQUE_FD = 1 };
 typedef struct memory_desc {
   int type;

@@ -5,7 +5,7 @@
 #include <pbf/phases.h>
 #include <stdio.h>
 
-#include "thread_ranks.h"
+#include "shares.h"
 
 enum {
   COUNT = 3000,
@@ -30,6 +30,7 @@ typedef struct scene {
   uint64_t saved_size;
   pbf_collider_load loads[MAX_SOLIDS]; /* of walls, and then of colliders, if they are wanted */
   uint64_t hashes_seen[MAX_THREAD_RANKS];
+  shared_ids seen; /* in the shares of the ranks */
 } scene;
 
 static int device_count = 1;
@@ -203,6 +204,7 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   const uint32_t count = count_of(s);
   void *values = calloc(count, c->precision);
   EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
+  expect_share(s, c->dimension, c->precision, &c->seen);
   EXPECT_OK(pbf_get_stats(s, &stats));
   expect_same_stats(&stats, &c->stats);
   uint64_t size;
@@ -220,8 +222,10 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
 
 static void expect_same_once(const char *what, scene *c, uint32_t ranks, const double *shares) {
   memset(c->hashes_seen, 0, sizeof c->hashes_seen);
+  memset(&c->seen, 0, sizeof c->seen);
   thread_ranks_run(ranks, 0, shares, NULL, run_on_ranks, c);
   if (ranks_failures()) fail_msg("%s, on %u ranks: other answers", what, ranks);
+  if (!each_is_in_one(&c->seen, c->stats.count)) fail_msg("%s, on %u ranks: shares", what, ranks);
   for (uint32_t r = 0; r < ranks; ++r)
     if (c->hashes_seen[r] != c->hash)
       fail_msg("%s, %uD float%u, rank %u of %u: other bits", what, c->dimension, 8 * c->precision,

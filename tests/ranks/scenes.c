@@ -157,6 +157,7 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   const uint32_t count = count_of(s);
   void *values = calloc(count, c->precision);
   EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
+  expect_share(s, c->dimension, c->precision, &c->seen);
   EXPECT_OK(pbf_get_stats(s, &stats));
   EXPECT(memcmp(&stats, &c->stats, sizeof stats) == 0);
   double asked[4] = {0};
@@ -177,8 +178,10 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
 
 void scene_expect_same(const char *what, scene *c, uint32_t ranks, const double *shares) {
   memset(c->hashes_seen, 0, sizeof c->hashes_seen);
+  memset(&c->seen, 0, sizeof c->seen);
   thread_ranks_run(ranks, 0, shares, NULL, run_on_ranks, c);
   assert_int_equal(ranks_failures(), 0);
+  assert_true(each_is_in_one(&c->seen, c->stats.count));
   for (uint32_t r = 0; r < ranks; ++r)
     if (c->hashes_seen[r] != c->hash)
       fail_msg("%s, %uD float%u, rank %u of %u: other bits", what, c->dimension, 8 * c->precision,

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-#include "thread_ranks.h"
+#include "shares.h"
 
 enum { SCENE_COUNT = 3000, SCENE_STEPS = 12, SCENE_COLLIDERS = 2, SCENE_SOLIDS = 6 + 4 };
 
@@ -26,6 +26,7 @@ typedef struct scene {
   uint32_t solids; /* that loads are of */
   pbf_collider_load loads[SCENE_SOLIDS];
   uint64_t hashes_seen[MAX_THREAD_RANKS];
+  shared_ids seen; /* in the shares of the ranks */
 } scene;
 
 /* A block in a box of side 3 x 1 x 1, in 2D 6 x 5. */

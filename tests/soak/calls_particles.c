@@ -2,12 +2,14 @@
 #include <math.h>
 #include <string.h>
 
+#include <pbf/ranks.h>
+
 #include "table.h"
 
 enum { MOST_ADDED = 64, GUARD = 0xa5 };
 
 typedef struct rows {
-  uint32_t first, count, first_id[TWINS];
+  uint32_t first, count, first_id[TWINS], field;
   _Alignas(8) unsigned char x[MOST_PARTICLES * 3 * 8], v[MOST_PARTICLES * 3 * 8];
   int with_velocities;
   uint32_t ids[MOST_PARTICLES];
@@ -242,6 +244,23 @@ void call_get_ids(actor *a) {
   rows *r = rows_of(a);
   if (get_rows(a, r, get_ids, 4) == PBF_OK)
     insist(a, memcmp(r->out[0], a->subject->model.ids + r->first, 4 * (size_t)r->count) == 0);
+}
+
+static pbf_status get_share(pbf_solver *solver, int twin, void *context) {
+  rows *r = context;
+  return pbf_get_share(solver, r->field, MOST_PARTICLES, &r->found[twin], r->ids, r->out[twin]);
+}
+
+/* Without ranks all of them. */
+void call_get_share(actor *a) {
+  const model *m = &a->subject->model;
+  rows *r = rows_of(a);
+  r->field = dice_one_in(&a->dice, 2) ? PBF_FIELD_POSITION : PBF_FIELD_VELOCITY;
+  memset(a->numbers, GUARD, sizeof a->numbers);
+  if (call_both(a, get_share, r, CALL_READS) != PBF_OK) return;
+  insist(a, r->found[0] == m->count && r->found[1] == m->count);
+  insist(a, memcmp(r->ids, m->ids, m->count * sizeof *r->ids) == 0);
+  insist(a, memcmp(a->numbers[0], a->numbers[1], sizeof a->numbers[0]) == 0);
 }
 
 static pbf_status set_positions(pbf_solver *solver, int twin, void *context) {

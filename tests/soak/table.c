@@ -51,6 +51,7 @@ const entry table[] = {
     {"pbf_get_positions", 1, call_get_positions},
     {"pbf_set_positions", 4, call_set_positions},
     {"pbf_get_velocities", 1, call_get_velocities},
+    {"pbf_get_share", 1, call_get_share},
     {"pbf_set_velocities", 4, call_set_velocities},
     {"pbf_set_accelerations", 1, call_set_accelerations},
     {"pbf_phase_init", 1, call_phase_init},

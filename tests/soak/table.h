@@ -60,6 +60,7 @@ void call_find_in_box(actor *a);
 void call_get_positions(actor *a);
 void call_set_positions(actor *a);
 void call_get_velocities(actor *a);
+void call_get_share(actor *a);
 void call_set_velocities(actor *a);
 void call_write(actor *a);
 void call_set_accelerations(actor *a);
