@@ -203,8 +203,8 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   run_scene(c, s);
   const uint32_t count = count_of(s);
   void *values = calloc(count, c->precision);
-  EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   expect_share(s, c->dimension, c->precision, &c->seen);
+  EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   EXPECT_OK(pbf_get_stats(s, &stats));
   expect_same_stats(&stats, &c->stats);
   uint64_t size;

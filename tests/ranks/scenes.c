@@ -156,8 +156,8 @@ static void run_on_ranks(const pbf_ranks *ranks, void *context) {
   run_scene(c, s);
   const uint32_t count = count_of(s);
   void *values = calloc(count, c->precision);
-  EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   expect_share(s, c->dimension, c->precision, &c->seen);
+  EXPECT_OK(pbf_hash(s, &c->hashes_seen[ranks->rank]));
   EXPECT_OK(pbf_get_stats(s, &stats));
   EXPECT(memcmp(&stats, &c->stats, sizeof stats) == 0);
   double asked[4] = {0};
