@@ -11,16 +11,32 @@
 
 /* ---- Blocks of memory that are out --------------------------------------------------------- */
 
+/* A fork may find any part of a change done: no place of those counted names a block twice, or one
+ * with another one's size. */
+static void put_block(pbf_block *place, pbf_block block) {
+  place->memory = NULL;
+  atomic_signal_fence(memory_order_release);
+  place->size = block.size;
+  place->alignment = block.alignment;
+  atomic_signal_fence(memory_order_release);
+  place->memory = block.memory;
+  atomic_signal_fence(memory_order_release);
+}
+
 static void note_taken(pbf_callbacks *own, void *memory, uint64_t size, uint64_t alignment) {
-  if (memory && own->block_count < PBF_MAX_BLOCKS)
-    own->blocks[own->block_count++] = (pbf_block){memory, size, alignment};
+  if (!memory || own->block_count == PBF_MAX_BLOCKS) return;
+  put_block(&own->blocks[own->block_count], (pbf_block){memory, size, alignment});
+  ++own->block_count;
 }
 
 /* Before it is released: a release that is left is not to be done again. */
 static void note_released(pbf_callbacks *own, const void *memory) {
   for (uint32_t i = own->block_count; i-- > 0;) {
     if (own->blocks[i].memory != memory) continue;
-    own->blocks[i] = own->blocks[--own->block_count];
+    const pbf_block last = own->blocks[own->block_count - 1];
+    --own->block_count;
+    atomic_signal_fence(memory_order_release);
+    if (i < own->block_count) put_block(&own->blocks[i], last);
     return;
   }
 }
@@ -33,6 +49,7 @@ void pbf_callbacks_release_rest(pbf_solver *solver) {
   pbf_callbacks *own = &solver->callbacks;
   while (own->block_count > 0) {
     pbf_block block = own->blocks[--own->block_count];
+    if (!block.memory) continue;
     own->allocator.release(own->allocator.user, block.memory, block.size, block.alignment);
   }
 }

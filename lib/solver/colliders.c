@@ -2,6 +2,7 @@
 #include "colliders.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -165,11 +166,16 @@ static pbf_status check_array(const pbf_solver *solver, uint32_t count,
 
 void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *colliders,
                            double time) {
-  drop(solver, solver->collider_count, solver->colliders);
+  const uint32_t count_before = solver->collider_count;
+  pbf_collider *before = solver->colliders;
+  solver->collider_count = 0;
+  atomic_signal_fence(memory_order_release); /* never a count of others: a fork may part these */
   solver->colliders = colliders;
+  atomic_signal_fence(memory_order_release);
   solver->collider_count = count;
   solver->collider_time = time;
   solver->step_length_checked = 0;
+  drop(solver, count_before, before); /* last: by a callback that may be left */
 }
 
 /* The farthest point of its surface from the axes that it turns about. */

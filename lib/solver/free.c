@@ -14,11 +14,7 @@
 #include "particles/rank_views.h"
 #include "snapshot_memory.h"
 
-void pbf_solver_free(pbf_solver *solver) {
-  const pbf_allocator allocator = solver->callbacks.allocator;
-  const pbf_ranks ranks = solver->ranks;
-  pbf_worker_free(solver);
-  solver->api.destroy(solver->backend);
+static void free_memory(pbf_solver *solver) {
   pbf_memory_free(&solver->allocator, solver->ids, pbf_ids_bytes(solver));
   pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
   pbf_accelerations_free(solver);
@@ -28,10 +24,27 @@ void pbf_solver_free(pbf_solver *solver) {
   pbf_query_index_free(solver);
   pbf_emission_free(solver, solver->emission);
   pbf_diffuse_free(solver, solver->diffuse);
-  if (solver->colliders) pbf_colliders_let_go(solver->collider_count, solver->colliders);
   pbf_memory_free(&solver->allocator, solver->colliders,
                   pbf_colliders_bytes(solver, solver->collider_count));
-  if (solver->left) pbf_callbacks_release_rest(solver);
+}
+
+/* What a call that was left halfway has given back it may yet have led to: only which blocks are
+ * out is known. */
+static void free_left_memory(pbf_solver *solver) {
+  pbf_snapshots_forget(solver->snapshots);
+  pbf_callbacks_release_rest(solver);
+}
+
+void pbf_solver_free(pbf_solver *solver) {
+  const pbf_allocator allocator = solver->callbacks.allocator;
+  const pbf_ranks ranks = solver->ranks;
+  pbf_worker_free(solver);
+  solver->api.destroy(solver->backend);
+  if (solver->colliders) pbf_colliders_let_go(solver->collider_count, solver->colliders);
+  if (solver->left)
+    free_left_memory(solver);
+  else
+    free_memory(solver);
   pbf_memory_free(&allocator, solver, sizeof *solver);
   if (ranks.release) ranks.release(ranks.user);
 }

@@ -24,11 +24,16 @@ uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snap
   return bytes_for(solver, snapshots->count);
 }
 
-void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots) {
+void pbf_snapshots_forget(const pbf_snapshots *snapshots) {
   if (!snapshots) return;
   pbf_lock_take(PBF_LOCK_SOLVERS);
   for (uint32_t k = 0; k < snapshots->count; ++k) pbf_snapshot_forget(&snapshots->list[k]);
   pbf_lock_release(PBF_LOCK_SOLVERS);
+}
+
+void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots) {
+  if (!snapshots) return;
+  pbf_snapshots_forget(snapshots);
   pbf_memory_free(&solver->allocator, snapshots, pbf_snapshots_bytes(solver, snapshots));
 }
 

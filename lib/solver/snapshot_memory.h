@@ -26,6 +26,9 @@ pbf_status pbf_snapshots_allocate(pbf_solver *solver, uint32_t count, pbf_snapsh
 
 uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snapshots);
 
+/* Before their memory goes. Null is a no-op. */
+void pbf_snapshots_forget(const pbf_snapshots *snapshots);
+
 /* Null is a no-op. None of them is held. */
 void pbf_snapshots_free(const pbf_solver *solver, pbf_snapshots *snapshots);
 
