@@ -2,6 +2,7 @@
 #include <dlpack/dlpack.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "actor.h"
 #include "helpers.h"
@@ -93,12 +94,23 @@ static pbf_status make_twin(actor *a, subject *s, int twin, pbf_desc desc) {
   return status;
 }
 
+/* Another thread may take it for the one that was at its address, and be inside. */
+static void set_params(actor *a, pbf_solver *solver, const pbf_params *params) {
+  pbf_status status;
+  while ((status = pbf_set_params(solver, params)) == PBF_ERROR_BUSY && a->with->intruders) {
+  }
+  if (status == PBF_OK) return;
+  if (status == PBF_ERROR_OUT_OF_MEMORY && (a->with->limit_addresses || a->with->limit_threads))
+    _exit(0); /* a limit parts the twins */
+  found(a->number, "pbf_set_params: %s: %s", pbf_status_string(status), pbf_last_error());
+}
+
 /* Places at random take hundreds of iterations to part. */
-static void forgo_prestabilization(subject *s) {
+static void forgo_prestabilization(actor *a, const subject *s) {
   pbf_params params;
   if (pbf_params_init(&params, sizeof params) != PBF_OK) return;
   params.prestabilization = 0;
-  for (int twin = 0; twin < TWINS; ++twin) pbf_set_params(s->twin[twin], &params);
+  for (int twin = 0; twin < TWINS; ++twin) set_params(a, s->twin[twin], &params);
 }
 
 int subject_make(actor *a, subject *s) {
@@ -114,7 +126,7 @@ int subject_make(actor *a, subject *s) {
     subject_drop(a, s);
     return 0;
   }
-  if (!dice_one_in(&a->dice, 8)) forgo_prestabilization(s);
+  if (!dice_one_in(&a->dice, 8)) forgo_prestabilization(a, s);
   helpers_show(a);
   return 1;
 }
