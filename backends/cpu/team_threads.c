@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "common/fp_environment.h"
+#include "common/open_tasks.h"
 #include "common/system.h"
 #include "cpu/atomics.h"
 #include "cpu/team_loops.h"
@@ -31,7 +32,7 @@ typedef struct region {
   uint32_t threads, come; /* members there may be, and have been */
   atomic_uint inside;     /* threads of the pool that are */
   int is_waited_for;      /* until none is; both under the pool's lock */
-  uintptr_t task; /* number of the task that it is, which a task system has for an address */
+  uintptr_t task;         /* number of the task that it is; 0: it is none */
   /* Of each region one: a signal handler may wait in a thread that it has interrupted in a wait. */
   pbf_condition empty;
 } region;
@@ -44,26 +45,14 @@ typedef struct limit {
   double more_at;
 } limit;
 
-/* Tasks that are open in task systems: solvers that have them step at once. */
-enum { MAX_TASKS = 64 };
-
-/* By number, the place in the table included: an item may run after its task has ended, of a system
- * that does not wait for all. A table, not a list of regions: their stacks are gone where a task
- * system has left the call by a longjmp. */
-typedef struct open_task {
-  uintptr_t number; /* 0: the place is free */
-  region *region;
-} open_task;
-
 /* All but `opened` is changed under the lock. */
 static struct pool {
   pbf_mutex lock;
-  pbf_condition wake; /* threads of the pool that sleep */
-  atomic_uint opened; /* changes with each region that is */
-  region *regions;    /* open */
-  open_task tasks[MAX_TASKS];
-  uintptr_t tasks_so_far;
-  uint32_t users; /* solvers */
+  pbf_condition wake;   /* threads of the pool that sleep */
+  atomic_uint opened;   /* changes with each region that is */
+  region *regions;      /* open */
+  pbf_open_tasks tasks; /* of regions */
+  uint32_t users;       /* solvers */
   uint32_t sleeping;
   atomic_uint size;    /* threads that there are */
   atomic_uint refused; /* 1: no more are to be had */
@@ -137,10 +126,6 @@ static void *work(void *generation) {
 
 /* ---- The pool ------------------------------------------------------------------------------ */
 
-static void forget_tasks(void) {
-  for (uint32_t k = 0; k < MAX_TASKS; ++k) pool.tasks[k].number = 0;
-}
-
 /* A child process has none of the threads, and none of the regions that they were in. */
 static void before_fork(void) { pbf_mutex_lock(&pool.lock); }
 static void in_parent(void) { pbf_mutex_unlock(&pool.lock); }
@@ -149,7 +134,7 @@ static void in_child(void) {
   pbf_mutex_init(&pool.lock);
   pbf_condition_init(&pool.wake);
   pool.regions = NULL;
-  forget_tasks();
+  pbf_open_tasks_forget(&pool.tasks);
   pool.sleeping = 0;
   pool.size = 0;
   pool.refused = 0;
@@ -187,7 +172,7 @@ static void team_begin(void) {
     pool.forks_are_watched = pbf_at_fork(before_fork, in_parent, in_child);
   if (pool.users++ == 0) {
     pool.limit = (limit){0};
-    forget_tasks();
+    pbf_open_tasks_forget(&pool.tasks);
   }
   pool.refused = 0;
   pbf_mutex_unlock(&pool.lock);
@@ -312,24 +297,17 @@ static void run_many(region *r, double begin) {
 
 /* Items need the lock. Without a free place the caller is alone. */
 static int open_task_of(region *r) {
-  uint32_t k = 0;
   if (!take_lock_soon()) return 0;
-  while (k < MAX_TASKS && pool.tasks[k].number) ++k;
-  if (k < MAX_TASKS) {
-    r->task = ++pool.tasks_so_far * MAX_TASKS + k;
-    pool.tasks[k] = (open_task){.number = r->task, .region = r};
-  }
+  r->task = pbf_open_tasks_add(&pool.tasks, r);
   pbf_mutex_unlock(&pool.lock);
-  return k < MAX_TASKS;
+  return r->task != 0;
 }
 
 /* What comes after that finds no task, and there is nothing left to do. Returns 0 in the child of a
  * fork, which has none of the threads that may be inside. */
 static int close_task_of(const region *r) {
-  open_task *task = &pool.tasks[r->task % MAX_TASKS];
   pbf_mutex_lock(&pool.lock);
-  const int was_open = task->number == r->task;
-  if (was_open) task->number = 0;
+  const int was_open = pbf_open_tasks_remove(&pool.tasks, r->task);
   pbf_mutex_unlock(&pool.lock);
   return was_open;
 }
@@ -338,10 +316,9 @@ static int close_task_of(const region *r) {
  * them the task system runs at once. */
 static void run_item(void *number, uint32_t first, uint32_t last) {
   (void)first, (void)last;
-  const open_task *task = &pool.tasks[(uintptr_t)number % MAX_TASKS];
   pbf_fp_environment before = pbf_fp_begin();
   pbf_mutex_lock(&pool.lock);
-  region *r = task->number == (uintptr_t)number ? task->region : NULL;
+  region *r = pbf_open_tasks_of(&pool.tasks, (uintptr_t)number);
   if (r && r->come < r->threads) join(r);
   pbf_mutex_unlock(&pool.lock);
   pbf_fp_end(before);

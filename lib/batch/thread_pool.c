@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/fp_environment.h"
+#include "common/open_tasks.h"
 #include "lock.h"
 #include "memory.h"
 #include "os.h"
@@ -21,8 +22,7 @@ struct pbf_thread_pool_job {
   uint32_t inside;       /* threads beside the caller's that work on it */
 
   /* As a task of a task system's. */
-  pbf_thread_pool_job *next_task;
-  uintptr_t number; /* which the task system has for its address */
+  uintptr_t task; /* its number */
   uint32_t process;
 };
 
@@ -122,25 +122,20 @@ static void run_in_threads(pbf_thread_pool *pool, const pbf_allocator *allocator
 
 /* ---- A task system of the caller's ---------------------------------------------------------- */
 
-/* A task system knows a job by a number, not by its address: an item that runs after its task has
- * ended, as of a system that does not wait for all, finds no job of that number. Both are changed
- * under the lock of tasks. */
-static pbf_thread_pool_job *tasks;
-static uintptr_t tasks_so_far;
+/* The tasks that are open, and threads inside of one, are changed under the lock of tasks. */
+static pbf_open_tasks tasks;
 
-static void open_task(pbf_thread_pool_job *job) {
+static int open_task(pbf_thread_pool_job *job) {
   pbf_lock_take(PBF_LOCK_TASKS);
   job->process = pbf_process();
-  job->number = ++tasks_so_far;
-  job->next_task = tasks;
-  tasks = job;
+  job->task = pbf_open_tasks_add(&tasks, job);
   pbf_lock_release(PBF_LOCK_TASKS);
+  return job->task != 0;
 }
 
 static pbf_thread_pool_job *enter_task(uintptr_t number) {
   pbf_lock_take(PBF_LOCK_TASKS);
-  pbf_thread_pool_job *job = tasks;
-  while (job && job->number != number) job = job->next_task;
+  pbf_thread_pool_job *job = pbf_open_tasks_of(&tasks, number);
   if (job) ++job->inside;
   pbf_lock_release(PBF_LOCK_TASKS);
   return job;
@@ -164,9 +159,7 @@ static int others_are_inside(const pbf_thread_pool_job *job) {
 static void close_task(pbf_thread_pool_job *job) {
   enum { PAUSE = 50 /* microseconds */ };
   pbf_lock_take(PBF_LOCK_TASKS);
-  pbf_thread_pool_job **link = &tasks;
-  while (*link != job) link = &(*link)->next_task;
-  *link = job->next_task;
+  pbf_open_tasks_remove(&tasks, job->task);
   pbf_lock_release(PBF_LOCK_TASKS);
   while (job->process == pbf_process() && others_are_inside(job)) pbf_os_sleep(PAUSE);
 }
@@ -182,8 +175,7 @@ static void run_item(void *number, uint32_t first, uint32_t last) {
 
 static void run_as_task(const pbf_thread_pool *pool, pbf_thread_pool_job *job) {
   const pbf_fp_environment ours = pbf_fp_now();
-  open_task(job);
-  void *handle = pool->enqueue_task(pool->task_user, run_item, (void *)job->number, job->places, 1);
+  void *handle = pool->enqueue_task(pool->task_user, run_item, (void *)job->task, job->places, 1);
   work_on(job);
   if (handle) pool->finish_task(pool->task_user, handle);
   close_task(job);
@@ -198,12 +190,12 @@ void pbf_thread_pool_run(pbf_thread_pool *pool, const pbf_allocator *allocator, 
   pbf_thread_pool_job job = {.item = item, .context = context, .items = items};
   atomic_init(&job.next, 0);
   job.places = threads > 0 ? threads - 1 : 0;
-  if (job.places == 0)
-    work_on(&job);
-  else if (pool->enqueue_task)
+  if (job.places > 0 && !pool->enqueue_task)
+    run_in_threads(pool, allocator, &job);
+  else if (job.places > 0 && open_task(&job))
     run_as_task(pool, &job);
   else
-    run_in_threads(pool, allocator, &job);
+    work_on(&job);
 }
 
 void pbf_thread_pool_free(pbf_thread_pool *pool, const pbf_allocator *allocator) {

@@ -66,6 +66,13 @@ static void after_a_solvers_call(void **state) {
   run_all_kept();
 }
 
+/* Worlds of a device have no tasks: the caller's thread alone feeds them. */
+static int is_of_cpu(pbf_batch *batch) {
+  pbf_batch_info info = {.struct_size = sizeof info};
+  assert_ok(pbf_batch_get_info(batch, &info));
+  return info.device_type == PBF_DEVICE_CPU;
+}
+
 static void after_a_batchs_call(void **state) {
   (void)state;
   const pbf_desc desc = desc_of_tasks(keep, wait_for_nothing);
@@ -73,11 +80,35 @@ static void after_a_batchs_call(void **state) {
   kept_count = 0;
   pbf_batch *batch = furnished(&desc);
   assert_ok(pbf_batch_step(batch, NULL, STEPS));
+  assert_int_equal(kept_count > 0, is_of_cpu(batch));
   run_all_kept();
   for (uint32_t k = 0; k < WORLDS; ++k)
     assert_true(test_hash(world_of(batch, k)) == hash_alone(&alone, k, STEPS));
   pbf_batch_destroy(batch);
   run_all_kept();
+}
+
+/* ---- A batch's call that was left ---------------------------------------------------------------
+ */
+
+static jmp_buf back;
+
+static void *leave(void *user, pbf_task_fn run, void *task, uint32_t items, uint32_t min_range) {
+  (void)user, (void)run, (void)task, (void)items, (void)min_range;
+  longjmp(back, 1);
+}
+
+/* A batch forbids it (batch.h), and is lost by it; others are not. */
+static void leave_a_batch(void) {
+  const pbf_desc desc = desc_of_tasks(leave, wait_for_nothing);
+  pbf_batch *lost = furnished(&desc);
+  if (setjmp(back) == 0) pbf_batch_step(lost, NULL, 1);
+}
+
+static void after_a_batch_was_left(void **state) {
+  leave_a_batch();
+  overwrite_stack();
+  after_a_batchs_call(state);
 }
 
 /* ---- Waits that end before the task -----------------------------------------------------------
@@ -147,11 +178,9 @@ static void before_the_worker_has_ended(void **state) {
   pbf_status statuses[2];
   desc.task_user = &it;
   pbf_batch *batch = batch_of(&desc, 2);
-  pbf_batch_info info = {.struct_size = sizeof info};
-  assert_ok(pbf_batch_get_info(batch, &info));
-  if (info.device_type != PBF_DEVICE_CPU) {
+  if (!is_of_cpu(batch)) {
     pbf_batch_destroy(batch);
-    test_skip("worlds of a device have no tasks: the caller's thread alone feeds them");
+    test_skip("worlds of a device have no tasks");
   }
   for (uint32_t k = 0; k < 2; ++k) {
     it.worlds[k] = world_of(batch, k);
@@ -174,6 +203,7 @@ int main(void) {
       cmocka_unit_test(after_a_solvers_call),
       cmocka_unit_test(after_a_batchs_call),
       cmocka_unit_test(before_the_worker_has_ended),
+      cmocka_unit_test(after_a_batch_was_left),
   };
   return TEST_RUN(tests);
 }
