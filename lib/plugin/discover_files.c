@@ -47,7 +47,8 @@ int pbf_discover_name(const char *name) {
   char folder[PBF_OS_PATH_SIZE], tried[200] = "", reason[256];
   int candidates = 0, is_settled = pbf_os_own_folder(folder, sizeof folder);
   pbf_folder kind;
-  for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
+  pbf_search search = {0, 0};
+  while ((kind = pbf_search_next(&search, folder, sizeof folder))) {
     if (kind != PBF_FOLDER_USABLE) continue;
     candidates += try_folder(folder, name, reason);
     if (pbf_entries_usable(name)) return 1;
@@ -70,7 +71,8 @@ int pbf_discover_name(const char *name) {
 void pbf_discover_end(void) {
   char folder[PBF_OS_PATH_SIZE];
   pbf_folder kind;
-  for (uint32_t i = 0; (kind = pbf_search_folder(i, folder, sizeof folder)); ++i) {
+  pbf_search search = {0, 0};
+  while ((kind = pbf_search_next(&search, folder, sizeof folder))) {
     if (kind == PBF_FOLDER_NOT_ABSOLUTE)
       pbf_entries_append_failure("", folder,
                                  "a folder in PBF_BACKEND_PATH that is not absolute is left out",

@@ -12,7 +12,13 @@ typedef enum pbf_folder {
   PBF_FOLDER_TOO_LONG      /* likewise */
 } pbf_folder;
 
-/* Folder `index` of the search, in its order. */
-pbf_folder pbf_search_folder(uint32_t index, char *folder, size_t size);
+/* How far a search has come; all 0 before it begins. */
+typedef struct pbf_search {
+  size_t passed; /* bytes of the list of PBF_BACKEND_PATH: plugins may change it meanwhile */
+  uint32_t own;  /* of the library's own folders */
+} pbf_search;
+
+/* The next folder, in the order of the search. */
+pbf_folder pbf_search_next(pbf_search *search, char *folder, size_t size);
 
 #endif

@@ -1,6 +1,7 @@
 /* Where plugins are looked for, with a libpbf of the test's own in a folder of the test's own. */
-#define _GNU_SOURCE /* unshare */
+#define _GNU_SOURCE /* unshare, stpcpy */
 #include <stdio.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -169,6 +170,35 @@ static void the_environment_comes_first(void **state) {
   assert_says("|0||a folder in PBF_BACKEND_PATH is longer than a path can be%s", "");
 }
 
+static double seconds_of_children(void) {
+  struct rusage used;
+  assert_int_equal(getrusage(RUSAGE_CHILDREN, &used), 0);
+  return (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
+
+/* To find what lies in the last of so many folders. */
+static double seconds_of_search(uint32_t folders) {
+  char *list = malloc(3 * (size_t)folders + sizeof folder), *end = list;
+  for (uint32_t k = 0; k < folders; ++k) end = stpcpy(end, "/x:");
+  strcpy(end, folder);
+  setenv("PBF_BACKEND_PATH", list, 1);
+  free(list);
+  const double before = seconds_of_children();
+  ask_plainly();
+  assert_says("serial|1|%s/pbf_backend_serial.so|", folder);
+  return seconds_of_children() - before;
+}
+
+/* Four times as many take four times as long, not sixteen. */
+static void a_long_list(void **state) {
+  (void)state;
+  put_file(folder, "pbf_backend_serial.so", "stub_serial.so");
+  const double some = seconds_of_search(2500), more = seconds_of_search(10000);
+  if (more > 8 * some + 0.05) print_error("%g s for 2500 folders, %g for 10000\n", some, more);
+  assert_true(more <= 8 * some + 0.05);
+}
+
 /* Neither the working directory nor a name by which the library was opened from there. */
 static void never_the_working_directory(void **state) {
   (void)state;
@@ -233,6 +263,7 @@ int main(void) {
       PLACE(beside_and_below),
       PLACE(a_failure_is_not_the_end),
       PLACE(the_environment_comes_first),
+      PLACE(a_long_list),
       PLACE(never_the_working_directory),
       PLACE(through_a_link),
       PLACE(elevated_privileges),
