@@ -84,6 +84,7 @@ class State(Reading):
                 "keeps_previous": self._keeps_previous, "attributes": own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        _check_pickled(state)
         self._create(state["desc"], 0, log_to_logging, None, {})
         self.load(state["state"])
         self._keep(state["snapshots"], state["keeps_previous"])
@@ -96,6 +97,22 @@ class State(Reading):
         return made
 
     __copy__ = copy
+
+
+_DESC = {"dimension", "precision", "capacity", "backend", "device", "threads", "strict", "isa",
+         "determinism"}
+_PICKLED = {"desc": dict, "state": bytes, "snapshots": int, "keeps_previous": bool,
+            "attributes": dict}
+
+
+def _check_pickled(state: Any) -> None:
+    """Whether it is what a solver gives to a pickle, of this version."""
+    are_there = isinstance(state, dict) and set(state) == set(_PICKLED) and all(
+        isinstance(state[name], kind) for name, kind in _PICKLED.items())
+    if not are_there or set(state["desc"]) != _DESC or not all(
+            isinstance(name, str) and not name.startswith("_") for name in state["attributes"]):
+        raise DataError("the pickled state is not that of a solver, or of another version",
+                        lib.PBF_ERROR_DATA)
 
 
 def state_of(source: PathLike | bytes | bytearray | memoryview, mark: bytes = b"PBFSTATE"

@@ -85,6 +85,19 @@ class Pool(pbf.Solver):
     pass
 
 
+@pytest.mark.parametrize("forged", [
+    lambda state: None, lambda state: {}, lambda state: list(state), lambda state: {**state, "desc": {}},
+    lambda state: {**state, "desc": None}, lambda state: {**state, "state": 3},
+    lambda state: {**state, "desc": {**state["desc"], "more": 1}},
+    lambda state: {**state, "snapshots": "many"},
+    lambda state: {**state, "attributes": {"_handle": 0}}, lambda state: {**state, "attributes": {5: 0}}])
+def test_a_pickle_of_something_else_is_refused(run_in, forged):
+    made = pbf.Solver.__new__(pbf.Solver)
+    with pytest.raises(pbf.DataError, match="is not that of a solver"):
+        made.__setstate__(forged(run_in.__getstate__()))
+    assert made.closed
+
+
 def test_an_old_file_stays_where_a_new_one_finds_no_room(run_in, tmp_path):
     resource = pytest.importorskip("resource")
     run_in.save(tmp_path / "kept.state")
