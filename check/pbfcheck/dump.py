@@ -8,7 +8,7 @@ import numpy as np
 
 from .fault import DumpFault, UsageFault
 from .kernels import rest_spacing
-from .manifest import read_manifest
+from .manifest import LARGEST, read_manifest
 
 _POSITIONS = re.compile(r"positions_(\d{6,})\.npy$")
 
@@ -42,6 +42,10 @@ def _load(path, shape):
         where = tuple(int(i) for i in bad[0])
         raise DumpFault(path, f"holds {array[where]} at index {where} and {len(bad) - 1} more values "
                               "that are not finite")
+    large = np.argwhere(np.abs(array) > LARGEST)
+    if len(large):
+        where = tuple(int(i) for i in large[0])
+        raise DumpFault(path, f"holds {array[where]:g} at index {where}; numbers may be {LARGEST:g} at most")
     return array
 
 

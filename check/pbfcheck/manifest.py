@@ -11,6 +11,8 @@ from .kernels import KERNELS, calibrated_volume
 from .walls import Walls
 
 FILE_NAME = "dump.json"
+LARGEST = 1e75  # number of a dump, of which fourth powers are finite
+MOST_SPACINGS = 10  # of a smoothing_radius, as the library has it
 REQUIRED = ("dimension", "smoothing_radius", "spacing", "particle_volume", "kernel", "gravity",
             "domain_min", "domain_max", "time_step")
 
@@ -54,6 +56,8 @@ class _Reader:
             self.fault(key, wants)
         if value < minimum or value <= above:
             self.fault(key, wants)
+        if abs(value) > LARGEST:
+            self.fault(key, f"{LARGEST:g} at most")
         return float(value)
 
     def vector(self, key, length, default=None, null=None):
@@ -68,6 +72,8 @@ class _Reader:
         for v in numbers:
             if isinstance(v, bool) or not isinstance(v, (int, float)) or math.isnan(v):
                 self.fault(key, wants)
+            if LARGEST < abs(v) < math.inf:
+                self.fault(key, f"a list of numbers of {LARGEST:g} at most")
         return np.array(numbers, float)
 
 
@@ -142,6 +148,8 @@ def read_manifest(folder):
     spacing = reader.number("spacing", minimum=0) or h / 2
     if spacing >= h:
         reader.fault("spacing", f"below smoothing_radius {h:g}")
+    if spacing * MOST_SPACINGS < h:
+        reader.fault("spacing", f"at least a {MOST_SPACINGS}th of smoothing_radius {h:g}")
     kernel = reader.values["kernel"]
     if not isinstance(kernel, str) or kernel not in KERNELS:
         reader.fault("kernel", " or ".join(f'"{name}"' for name in KERNELS))

@@ -45,7 +45,9 @@ class Malformed(DumpTest):
                            ("particle_volume", True), ("kernel", "cubic"), ("kernel", []), ("gravity", [1]),
                            ("gravity", [0, "g"]), ("domain_max", [-2000.0, 1.0]), ("time_step", 0),
                            ("walls", 3), ("walls", [True]), ("walls", {"velocity": [1]}),
-                           ("walls", {"present": [1, 1, 1, 1]}), ("attraction", None)):
+                           ("walls", {"present": [1, 1, 1, 1]}), ("attraction", None),
+                           ("particle_volume", 1e200), ("gravity", [0, -1e308]), ("time_step", 1e200),
+                           ("spacing", 1e-200), ("domain_max", [1e308, 1.0])):
             folder = self.dump({0: lattice(3, 3)}, manifest(2, **{key: value}))
             name = next(iter(value)) if isinstance(value, dict) else "present" if key == "walls" and value == [True] else key
             self.rejected(folder, "dump.json", f'"{name}" is')
@@ -53,10 +55,13 @@ class Malformed(DumpTest):
     def test_arrays(self):
         nan = lattice(5, 5)
         nan[7, 1] = np.nan
+        large = lattice(5, 5)
+        large[3, 0] = -1e155
         for array, words in ((np.zeros((5, 3)), "shape (5, 3); it must be (N, 2)"),
                              (np.zeros(5), "shape (5,)"), (np.zeros((5, 2), int), "holds int64"),
                              (np.array([[object()]]), "is not a whole .npy file"),
-                             (nan, "nan at index (7, 1) and 0 more")):
+                             (nan, "nan at index (7, 1) and 0 more"),
+                             (large, "holds -1e+155 at index (3, 0); numbers may be 1e+75 at most")):
             folder = self.good()
             np.save(os.path.join(folder, "positions_000001.npy"), array, allow_pickle=True)
             self.rejected(folder, "positions_000001.npy: ", words)
