@@ -6,11 +6,9 @@
 #include "cuda/loads.h"
 #include "cuda/population.h"
 
-static inline void free_many_host(solver *s) {
-  const uint32_t room = s->many.table.room;
-  if (room)
-    s->allocator.release(s->allocator.user, s->many.table.list, many_host_bytes(room),
-                         PBF_ALIGNMENT);
+static inline void free_many_host(solver *s, const pbf_collider_table &table) {
+  if (table.room)
+    s->allocator.release(s->allocator.user, table.list, many_host_bytes(table.room), PBF_ALIGNMENT);
 }
 
 /* ---- Loads ---------------------------------------------------------------------------------- */
@@ -91,13 +89,13 @@ static inline pbf_status make_room_for(solver *s, uint32_t count) {
   memcpy(s->many.table.list, s->colliders, s->collider_count * sizeof *s->colliders);
   if (before) {
     memcpy(s->many.table.moving, table.moving, pbf_words_of(before) * sizeof *table.moving);
-    s->allocator.release(s->allocator.user, table.list, many_host_bytes(before), PBF_ALIGNMENT);
     pbf_cuda_free(&s->memory, steps);
   }
   s->colliders = s->many.table.list;
   s->moving_obstacles.more = s->many.table.moving;
   s->topology.memory = nullptr;
   note_standing(s);
+  free_many_host(s, table); /* last: by a callback that may be left */
   return PBF_OK;
 }
 
@@ -113,12 +111,13 @@ static inline pbf_status leave_room_of_many(solver *s) {
   s->colliders = s->few_colliders;
   pbf_cuda_free(&s->memory, s->many.loads);
   pbf_cuda_free(&s->memory, s->many.steps);
-  free_many_host(s);
+  const pbf_collider_table table = s->many.table;
   s->many = {};
   s->moving_obstacles.more = nullptr;
   s->topology.memory = nullptr;
   pbf_place_few_basins(&s->basins, &s->basins_memory);
   s->basins.known = 0;
+  free_many_host(s, table); /* last, as above */
   return PBF_OK;
 }
 

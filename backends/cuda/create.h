@@ -14,7 +14,7 @@ static inline void destroy_solver(solver *s) {
     if (s->reached) cudaEventDestroy(s->reached);
     free_ranks(s);
     free_shape_table(s->allocator, s->shapes);
-    free_many_host(s);
+    free_many_host(s, s->many.table);
     pbf_cuda_free_all(&s->memory);
     free_all_asleep(s);
     free_refusals(s);

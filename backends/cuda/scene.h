@@ -113,11 +113,11 @@ static inline pbf_status apply_params(solver *s, const pbf_params *params, uint3
 
 /* Once no kernel that reads those before is to come. */
 static inline void keep_shapes(solver *s, const device_shapes &next) {
-  if (s->shapes.memory != next.memory) {
-    pbf_cuda_free(&s->memory, s->shapes.memory);
-    free_shape_table(s->allocator, s->shapes);
-  }
+  const device_shapes before = s->shapes;
   s->shapes = next;
+  if (before.memory == next.memory) return;
+  pbf_cuda_free(&s->memory, before.memory);
+  free_shape_table(s->allocator, before); /* last: by a callback that may be left */
 }
 
 static inline void drop_shapes(solver *s, const device_shapes &next) {

@@ -16,7 +16,12 @@
 
 /* ---- An allocator that counts its blocks, and stops where it is told to ---- */
 
-enum { COUNT = 27, BLOCKS = 2000, TIME_LIMIT = 60 /* seconds: of a child that hangs */ };
+enum {
+  COUNT = 27,
+  MANY_SOLIDS = 70,
+  BLOCKS = 2000,
+  TIME_LIMIT = 60 /* seconds: of a child that hangs */
+};
 
 typedef struct heap_block {
   void *memory;
@@ -108,13 +113,13 @@ static void take_tap(pbf_solver *s) {
 }
 
 static void take_solids(pbf_solver *s, uint32_t count, pbf_shape *shape) {
-  pbf_collider solids[3];
+  pbf_collider solids[MANY_SOLIDS];
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t kind = shape ? PBF_COLLIDER_SHAPE : PBF_COLLIDER_SPHERE;
     assert_ok(pbf_collider_init(&solids[k], sizeof solids[k], kind));
     solids[k].radius = shape ? 0 : 0.05;
     solids[k].geometry = shape;
-    solids[k].position[0] = 0.2 + 0.3 * k;
+    solids[k].position[0] = 0.2 + 0.01 * k;
   }
   assert_ok(pbf_set_colliders(s, count, solids));
 }
@@ -169,6 +174,10 @@ static pbf_solver *make(void) {
 
 static void load(pbf_solver *s) { assert_ok(pbf_load(s, state, state_size)); }
 static void set_colliders(pbf_solver *s) { take_solids(s, 3, NULL); }
+static void set_many_colliders(pbf_solver *s) {
+  take_solids(s, MANY_SOLIDS, NULL);
+  take_solids(s, 2, NULL);
+}
 static void set_phases(pbf_solver *s) { take_fluids(s, 3); }
 static void set_diffuse(pbf_solver *s) { take_spray(s, 32); }
 static void end_diffuse(pbf_solver *s) { assert_ok(pbf_set_diffuse(s, NULL)); }
@@ -188,9 +197,19 @@ static void remove_some(pbf_solver *s) {
   assert_ok(pbf_remove_particles(s, 2, ids));
 }
 
-static void (*const calls[])(pbf_solver *) = {
-    load,          set_colliders, set_phases, set_diffuse, end_diffuse, forget_previous,
-    set_snapshots, end_queries,   end_pushes, hash,        step,        remove_some};
+static void (*const calls[])(pbf_solver *) = {load,
+                                              set_colliders,
+                                              set_many_colliders,
+                                              set_phases,
+                                              set_diffuse,
+                                              end_diffuse,
+                                              forget_previous,
+                                              set_snapshots,
+                                              end_queries,
+                                              end_pushes,
+                                              hash,
+                                              step,
+                                              remove_some};
 enum { CALLS = sizeof calls / sizeof *calls, MOST_CALLBACKS = 100 };
 
 /* ---- Left by a longjmp ---- */
