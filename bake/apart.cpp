@@ -9,7 +9,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
+#endif
+
+#if defined(__linux__)
+#include <sys/prctl.h>
 #endif
 
 namespace bake {
@@ -54,6 +59,14 @@ std::string outcome_of(const std::function<std::string()> &work) {
   }
 }
 
+// A program that is killed leaves none behind that reads on.
+void end_with(pid_t program) {
+#if defined(__linux__)
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  if (getppid() != program) _exit(1);
+}
+
 // What a library prints before it aborts is no sentence of the program's.
 [[noreturn]] void work_and_end(const std::function<std::string()> &work, unsigned seconds, int to) {
   const int nowhere = open("/dev/null", O_WRONLY);
@@ -74,8 +87,8 @@ std::string end_of(int status) {
 std::string run_apart(const std::function<std::string()> &work, unsigned seconds) {
   int ends[2], status = 0;
   if (pipe(ends) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
-  const pid_t child = fork();
-  if (child == 0) close(ends[0]), work_and_end(work, seconds, ends[1]);
+  const pid_t program = getpid(), child = fork();
+  if (child == 0) close(ends[0]), end_with(program), work_and_end(work, seconds, ends[1]);
   const int error = errno;
   close(ends[1]);
   const std::string bytes = child < 0 ? "" : read_all(ends[0]);

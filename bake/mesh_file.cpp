@@ -115,12 +115,18 @@ Mesh mesh_of(const std::string &bytes) {
   return mesh;
 }
 
-// A hundred times what a mesh takes.
-unsigned seconds_for(const std::string &path) {
+// 200 million triangles and more; a file of holes may have any size.
+constexpr uintmax_t max_bytes = uintmax_t{1} << 34;
+
+// 0 for a pipe.
+uintmax_t size_of(const std::string &path) {
   std::error_code failed;
   const uintmax_t size = std::filesystem::file_size(path, failed);
-  return 30 + static_cast<unsigned>(failed ? 0 : std::min<uintmax_t>(size >> 17, 1u << 20));
+  return failed ? 0 : size;
 }
+
+// A hundred times what a mesh takes.
+unsigned seconds_for(uintmax_t bytes) { return 30 + static_cast<unsigned>(bytes >> 17); }
 
 }  // namespace
 
@@ -129,9 +135,13 @@ Mesh read_mesh(const std::string &path) {
   if (std::filesystem::is_directory(path, failed))
     throw std::runtime_error(path + " is a folder");
   if (!std::filesystem::exists(path, failed)) throw std::runtime_error(path + " does not exist");
+  const uintmax_t size = size_of(path);
+  if (size > max_bytes)
+    throw std::runtime_error(path + " has " + std::to_string(size) + " bytes; at most " +
+                             std::to_string(max_bytes) + " are read");
   Mesh mesh;
   try {
-    mesh = mesh_of(run_apart([&path] { return bytes_of(read_here(path)); }, seconds_for(path)));
+    mesh = mesh_of(run_apart([&path] { return bytes_of(read_here(path)); }, seconds_for(size)));
   } catch (const std::exception &error) {
     throw std::runtime_error(path + " can't be read: " + error.what());
   }

@@ -7,9 +7,11 @@ import pathlib
 import os
 import re
 import resource
+import signal
 import struct
 import subprocess
 import sys
+import time
 
 BAKE, WORK = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 failures = []
@@ -217,6 +219,52 @@ def damaged_meshes_are_told():
     check(f"no end is told: {done.stderr!r}", done.returncode == 1 and "endless.ply can't be read" in done.stderr)
 
 
+def files_of_holes_are_not_read():
+    with open(WORK / "holes.obj", "wb") as file:
+        file.truncate(1 << 35)
+    try:
+        ended = subprocess.run([str(BAKE), "holes.obj", "holes.pbfshape", "--cell", "0.1"], capture_output=True, text=True,
+                               check=False, cwd=WORK, timeout=30)
+        check("its size is told", ended.returncode == 1 and "holes.obj has 34359738368 bytes" in ended.stderr)
+    except subprocess.TimeoutExpired:
+        check("a file of holes is not read", False)
+    (WORK / "holes.obj").unlink()
+
+
+def children_of(number):
+    try:
+        return [int(child) for child in pathlib.Path(f"/proc/{number}/task/{number}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def eventually(holds):
+    """Within ten seconds."""
+    for _ in range(1000):
+        if holds():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def none_reads_on_for_a_program_that_was_killed():
+    if not pathlib.Path("/proc/self/task").exists():
+        return
+    os.mkfifo(WORK / "pipe.obj")  # that nothing is ever written to
+    program = subprocess.Popen([str(BAKE), "pipe.obj", "pipe.pbfshape", "--cell", "0.1"], cwd=WORK)
+    begun = eventually(lambda: children_of(program.pid))
+    readers = children_of(program.pid)
+    program.kill()
+    program.wait()
+    check("a mesh is read in a process of its own", begun)
+    for reader in readers:
+        ends = eventually(lambda: not pathlib.Path(f"/proc/{reader}").exists())
+        check("it ends with the program", ends)
+        if not ends:
+            os.kill(reader, signal.SIGKILL)
+    (WORK / "pipe.obj").unlink()
+
+
 def what_is_told_is_one_line():
     """Whatever the names of files, and the words of the command line, are."""
     for words in (("--show", "no\nfile\x1b[2J"), ("cube.obj", "no/fol\nder/\x1b[2J", "--cell", 0.2),
@@ -283,7 +331,7 @@ def readers_may_go_away():
     check("lost output is told", shown.returncode == 1 and b"can't be written" in shown.stderr)
 
 
-for left in WORK.glob("*.pbfshape"):
+for left in [*WORK.glob("*.pbfshape"), *WORK.glob("pipe.obj")]:
     left.unlink()
 balls_have_their_distances()
 boxes_are_placed()
@@ -291,6 +339,8 @@ open_meshes_are_shells()
 collapsed_triangles_are_left_out()
 what_is_no_solid_is_refused()
 damaged_meshes_are_told()
+files_of_holes_are_not_read()
+none_reads_on_for_a_program_that_was_killed()
 what_is_no_file_is_told()
 what_is_told_is_one_line()
 what_is_written_is_whole_or_as_before()
