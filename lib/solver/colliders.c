@@ -62,7 +62,7 @@ static pbf_status copy_in(const pbf_solver *solver, array_use use, uint32_t coun
 }
 
 /* A copy of a caller's array, checked and with references of its own. */
-static pbf_status take(const pbf_solver *solver, array_use use, uint32_t count,
+static pbf_status take(pbf_solver *solver, array_use use, uint32_t count,
                        const pbf_collider *theirs, pbf_collider **ours) {
   void *memory = NULL;
   uint32_t held = 0;
@@ -74,14 +74,18 @@ static pbf_status take(const pbf_solver *solver, array_use use, uint32_t count,
            PBF_COLLIDER_MARKS * (uint64_t)pbf_collider_words(count) * sizeof(uint64_t));
   status = copy_in(solver, use, count, theirs, memory, &held);
   *ours = memory;
-  if (status == PBF_OK) return PBF_OK;
+  if (status == PBF_OK) {
+    pbf_colliders_bring(solver, count, *ours);
+    return PBF_OK;
+  }
   pbf_colliders_let_go(held, memory);
   pbf_memory_free(&solver->allocator, memory, pbf_colliders_bytes(solver, count));
   return status;
 }
 
-/* Gives back what was taken for colliders that are then refused. */
-static void drop(const pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
+/* Gives back what was taken for colliders. */
+static void drop(pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
+  pbf_colliders_bring(solver, 0, NULL);
   if (!colliders) return;
   pbf_colliders_let_go(count, colliders);
   pbf_memory_free(&solver->allocator, colliders, pbf_colliders_bytes(solver, count));
@@ -168,6 +172,7 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
                            double time) {
   const uint32_t count_before = solver->collider_count;
   pbf_collider *before = solver->colliders;
+  pbf_colliders_bring(solver, 0, NULL);
   solver->collider_count = 0;
   atomic_signal_fence(memory_order_release); /* never a count of others: a fork may part these */
   solver->colliders = colliders;

@@ -51,6 +51,17 @@ pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count);
 /* A reference to the geometry of an array's collider, where it has one. Fails for what is none. */
 pbf_status pbf_collider_hold(const pbf_collider *collider, const char *name, uint32_t index);
 
+/* Notes that so many have references which the running call gives back or hands on: where it is
+ * left by a callback, pbf_destroy does. */
+static inline void pbf_colliders_bring(pbf_solver *solver, uint32_t count,
+                                       const pbf_collider *colliders) {
+  solver->brought_count = 0;
+  atomic_signal_fence(memory_order_release); /* never a count of others: a fork may part these */
+  solver->brought = colliders;
+  atomic_signal_fence(memory_order_release);
+  solver->brought_count = count;
+}
+
 /* Gives the references of so many colliders back. */
 void pbf_colliders_let_go(uint32_t count, const pbf_collider *colliders);
 

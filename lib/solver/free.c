@@ -31,6 +31,7 @@ static void free_memory(pbf_solver *solver) {
 /* What a call that was left halfway has given back it may yet have led to: only which blocks are
  * out is known. */
 static void free_left_memory(pbf_solver *solver) {
+  pbf_colliders_let_go(solver->brought_count, solver->brought);
   pbf_snapshots_forget(solver->snapshots);
   pbf_callbacks_release_rest(solver);
 }

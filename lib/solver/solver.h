@@ -116,6 +116,8 @@ struct pbf_solver {
   uint32_t collider_count;
   pbf_collider *colliders; /* as set, at collider_time; null when there are none */
   double collider_time;
+  uint32_t brought_count; /* of the running call: with references, and not the solver's own yet */
+  const pbf_collider *brought;
 
   uint32_t count;
   uint32_t planned;       /* particles that the last step's plan was for, see plan.h */

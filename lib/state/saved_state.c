@@ -245,6 +245,7 @@ static pbf_status check_phases(const pbf_solver *solver, const pbf_saved_state *
 static pbf_status read_sections(pbf_solver *solver, pbf_saved_state *in) {
   pbf_status status = read_params(solver, in);
   if (status == PBF_OK) status = read_colliders(solver, in);
+  pbf_colliders_bring(solver, in->collider_holds, in->colliders);
   if (status == PBF_OK) status = read_ids(in);
   if (status == PBF_OK) status = read_particles(solver, in);
   if (status == PBF_OK) status = read_accelerations(solver, in);
@@ -279,6 +280,7 @@ pbf_status pbf_saved_state_read(pbf_solver *solver, const void *buffer, uint64_t
 
 void pbf_saved_state_free(pbf_solver *solver, pbf_saved_state *in) {
   uint64_t bytes = pbf_snapshot_field_bytes(&in->header);
+  pbf_colliders_bring(solver, 0, NULL);
   if (in->colliders) pbf_colliders_let_go(in->collider_holds, in->colliders);
   pbf_memory_free(&solver->allocator, in->colliders,
                   pbf_colliders_bytes(solver, in->header.collider_count));
