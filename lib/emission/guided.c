@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "new_particles.h"
+#include "opening.h"
 #include "params.h"
 #include "particles/values.h"
 #include "physics/spacing.h"
@@ -53,10 +54,39 @@ static double way_to_walls(const pbf_solver *solver, const pbf_box *box, const p
   return way;
 }
 
-/* A particle at a solid is half a spacing off it; so near to one a stream moves none. */
-static void end_before(double way, double spacing, pbf_guided_end end, pbf_guided *g) {
-  const double free = fmax(way - spacing / 2, 0);
-  if (free < g->ahead) g->ahead = end == PBF_GUIDED_STOPS ? free : INFINITY;
+/* How far before solids streams end, by source, and most of all. */
+typedef struct stream_ends {
+  pbf_guided_end end;
+  double half; /* of a spacing */
+  double room[PBF_MAX_EMITTERS], most;
+} stream_ends;
+
+/* A particle at a solid is half a spacing off it; so near to one a stream moves none. And it moves
+ * none so near that what is between its front and the solid has no room to leave as fast as it
+ * comes: that would be thrown aside, as from under a piston. */
+static stream_ends ends_of(const pbf_solver *solver, pbf_guided_end end) {
+  const double spacing = pbf_derive_spacing(&solver->params);
+  const pbf_emission *e = solver->emission;
+  stream_ends ends = {.end = end, .half = spacing / 2, .most = spacing / 2};
+  for (uint32_t i = 0; i < e->head.source_count; ++i) {
+    const pbf_opening opening =
+        pbf_opening_of(&e->sources[i].emitter, solver->kind.dimension, spacing);
+    ends.room[i] = ends.half + (end == PBF_GUIDED_STOPS ? 0 : pbf_opening_gap(&opening));
+    ends.most = fmax(ends.most, ends.room[i]);
+  }
+  return ends;
+}
+
+/* A particle goes half a spacing where there is as much, and always an eighth: the next row would
+ * else find it in the opening. */
+static double least_way(const stream_ends *ends, double way) {
+  if (ends->end == PBF_GUIDED_STOPS) return 0;
+  return fmax(fmin(ends->half, way - ends->half), ends->half / 4);
+}
+
+static void end_before(const stream_ends *ends, double way, pbf_guided *g) {
+  const double free = fmax(way - ends->room[g->source], least_way(ends, way));
+  if (free < g->ahead) g->ahead = ends->end == PBF_GUIDED_STOPS ? free : INFINITY;
 }
 
 /* The ball around all lines: most colliders of a large scene are not near it. */
@@ -82,20 +112,20 @@ void pbf_guided_meet_solids(const pbf_solver *solver, pbf_guided *guided, uint32
                             pbf_guided_end end) {
   const double spacing = pbf_derive_spacing(&solver->params), now = pbf_solver_time(solver);
   const pbf_box box = pbf_params_box(&solver->params, solver->kind.dimension, now);
-  const double reach = spacing / 2;
+  const stream_ends ends = ends_of(solver, end);
   double centre[3];
   for (uint32_t i = 0; i < count; ++i)
-    end_before(way_to_walls(solver, &box, &guided[i]), spacing, end, &guided[i]);
+    end_before(&ends, way_to_walls(solver, &box, &guided[i]), &guided[i]);
   if (solver->collider_count == 0 || count == 0) return;
-  const double radius = ball_around(guided, count, centre) + reach;
+  const double radius = ball_around(guided, count, centre) + ends.most;
   for (uint32_t s = 0; s < solver->collider_count; ++s) {
     const pbf_solid solid = pbf_solid_at(solver, s, now);
     if (pbf_solid_is_beyond(&solid, centre, radius)) continue;
     for (uint32_t i = 0; i < count; ++i) {
       pbf_guided *g = &guided[i];
-      const double most = g->ahead + reach;
+      const double most = g->ahead + ends.room[g->source];
       if (!(most < INFINITY) || pbf_solid_is_beyond(&solid, g->from, most)) continue;
-      end_before(way_to_solid(&solid, g, most, spacing), spacing, end, g);
+      end_before(&ends, way_to_solid(&solid, g, most, spacing), g);
     }
   }
 }

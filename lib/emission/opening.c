@@ -121,6 +121,12 @@ pbf_opening pbf_opening_of(const pbf_emitter *emitter, uint32_t dimension, doubl
   return o;
 }
 
+double pbf_opening_gap(const pbf_opening *o) {
+  const double a = (double)o->sides[0], b = (double)o->sides[1];
+  if (!(a > 0)) return o->spacing * radius_of(o) / 2;
+  return o->spacing * (o->dimension == 3 ? a * b / (2 * (a + b)) : a / 2);
+}
+
 void pbf_opening_place(const pbf_opening *o, uint64_t number, double place[3]) {
   const uint64_t column = number % o->columns;
   double at[2];

@@ -18,6 +18,10 @@ typedef struct pbf_opening {
 /* `emitter` stays where it is as long as the opening is used. */
 pbf_opening pbf_opening_of(const pbf_emitter *emitter, uint32_t dimension, double spacing);
 
+/* The gap before a wall across the stream through which what the opening carries leaves to all
+ * sides at the stream's speed: its area over its rim. */
+double pbf_opening_gap(const pbf_opening *opening);
+
 /* Where a particle of that number leaves, jitter included. */
 void pbf_opening_place(const pbf_opening *opening, uint64_t number, double place[3]);
 
