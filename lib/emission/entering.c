@@ -4,6 +4,7 @@
 
 #include "guided.h"
 #include "new_particles.h"
+#include "opening.h"
 #include "physics/spacing.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
@@ -47,6 +48,53 @@ static uint32_t first_of_stream(const pbf_entering *entering) {
   return before < entering->first_id ? entering->first_id - (uint32_t)before : 0;
 }
 
+/* What a source's stream still moves: the opening, and a box around it. */
+typedef struct stream {
+  pbf_opening opening;
+  double lower[3], upper[3];
+} stream;
+
+static stream stream_of(const pbf_solver *solver, const pbf_source *source) {
+  const pbf_opening opening =
+      pbf_opening_of(&source->emitter, solver->kind.dimension, pbf_derive_spacing(&solver->params));
+  return (stream){opening, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+/* Returns whether it is of one lattice with what leaves now. */
+static int take_in(stream *s, const pbf_guided *g) {
+  double place[3];
+  pbf_guided_place(g, place);
+  for (int k = 0; k < 3; ++k) {
+    s->lower[k] = fmin(s->lower[k], place[k]);
+    s->upper[k] = fmax(s->upper[k], place[k]);
+  }
+  return pbf_opening_fits(&s->opening, g->from, g->velocity);
+}
+
+/* By as much as the particles of one are. */
+static int are_apart(const stream *one, const stream *other) {
+  const double distance = 0.999 * one->opening.spacing;
+  for (uint32_t k = 0; k < one->opening.dimension; ++k)
+    if (one->lower[k] >= other->upper[k] + distance || other->lower[k] >= one->upper[k] + distance)
+      return 1;
+  return 0;
+}
+
+/* Streams that are lattices make no densities above that at rest: where they are denser solids or
+ * other fluid hold them up, and that is to press. In a pipe with a neck what was allowed for of it
+ * would go on with the fluid, and press it ever more. */
+static int are_lattices(const pbf_solver *solver, const pbf_emission *e) {
+  stream streams[PBF_MAX_EMITTERS];
+  int are = 1;
+  for (uint32_t i = 0; i < e->head.source_count; ++i)
+    streams[i] = stream_of(solver, &e->sources[i]);
+  for (uint32_t i = 0; i < e->head.guided_count && are; ++i)
+    are = take_in(&streams[e->guided[i].source], &e->guided[i]);
+  for (uint32_t i = 0; i < e->head.source_count && are; ++i)
+    for (uint32_t j = 0; j < i && are; ++j) are = are_apart(&streams[i], &streams[j]);
+  return are;
+}
+
 /* All particles that their stream still moves: also those of which nothing is outside any more, for
  * what solids and the stream contribute to their densities is allowed for until they are h away. */
 int pbf_emission_find_entering(const pbf_solver *solver, pbf_entering *entering) {
@@ -54,7 +102,7 @@ int pbf_emission_find_entering(const pbf_solver *solver, pbf_entering *entering)
   if (e->head.guided_count == 0) return 0;
   begin(solver, entering);
   for (uint32_t i = 0; i < e->head.guided_count; ++i) add(solver, &e->guided[i], entering);
-  entering->stream_first_id = first_of_stream(entering);
+  entering->stream_first_id = are_lattices(solver, e) ? UINT32_MAX : first_of_stream(entering);
   return 1;
 }
 

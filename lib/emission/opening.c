@@ -127,6 +127,31 @@ double pbf_opening_gap(const pbf_opening *o) {
   return o->spacing * (o->dimension == 3 ? a * b / (2 * (a + b)) : a / 2);
 }
 
+static int is_parallel(const pbf_opening *o, const double velocity[3]) {
+  const double least_angle = 1e-6, forward = dot(velocity, o->along);
+  double aside[3];
+  for (int k = 0; k < 3; ++k) aside[k] = velocity[k] - forward * o->along[k];
+  return forward > 0 && dot(aside, aside) <= least_angle * least_angle * forward * forward;
+}
+
+/* In spacings from where a column is, the nearest one: columns are half a spacing off the middle
+ * where they are an even number. */
+static double off_column(const pbf_opening *o, const double from_middle[3], int side) {
+  const uint64_t columns = o->sides[0] > 0 ? o->sides[side] : 2;
+  const double at = dot(from_middle, o->across[side]) / o->spacing + 0.5 * (double)(columns % 2);
+  return fabs(at - floor(at) - 0.5);
+}
+
+int pbf_opening_fits(const pbf_opening *o, const double place[3], const double velocity[3]) {
+  const double rounding = 1e-3;
+  double from_middle[3] = {0};
+  for (uint32_t k = 0; k < o->dimension; ++k) from_middle[k] = place[k] - o->emitter->position[k];
+  if (o->emitter->jitter > 0 || !is_parallel(o, velocity)) return 0;
+  if (fabs(dot(from_middle, o->along)) > rounding * o->spacing) return 0;
+  return off_column(o, from_middle, 0) <= rounding &&
+         (o->dimension == 2 || off_column(o, from_middle, 1) <= rounding);
+}
+
 void pbf_opening_place(const pbf_opening *o, uint64_t number, double place[3]) {
   const uint64_t column = number % o->columns;
   double at[2];

@@ -22,6 +22,10 @@ pbf_opening pbf_opening_of(const pbf_emitter *emitter, uint32_t dimension, doubl
  * sides at the stream's speed: its area over its rim. */
 double pbf_opening_gap(const pbf_opening *opening);
 
+/* Whether what has left there with that velocity is of one lattice with what leaves now: not where
+ * the opening has been turned or moved since, or where it has a jitter. */
+int pbf_opening_fits(const pbf_opening *opening, const double place[3], const double velocity[3]);
+
 /* Where a particle of that number leaves, jitter included. */
 void pbf_opening_place(const pbf_opening *opening, uint64_t number, double place[3]);
 
