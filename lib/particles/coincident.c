@@ -14,6 +14,7 @@ typedef struct points {
   const pbf_solver *solver;
   const void *positions;
   uint32_t count;
+  double grain;
 } points;
 
 static double component(const points *p, uint32_t i, uint32_t k) {
@@ -21,11 +22,17 @@ static double component(const points *p, uint32_t i, uint32_t k) {
   return pbf_value_at(p->positions, (uint64_t)i * kind->dimension + k, kind->precision);
 }
 
+/* What is the same for all that coincide. Places of lattices are not between two cells. */
+static double cell(const points *p, uint32_t i, uint32_t k) {
+  const double value = component(p, i, k), off_lattices = 0.3819660112501051;
+  return p->grain > 0 ? floor(value / p->grain + off_lattices) : value;
+}
+
 static uint64_t hash_of(const points *p, uint32_t i) {
   const uint64_t odd = UINT64_C(0x9e3779b97f4a7c15); /* 2^64 over the golden ratio */
   uint64_t hash = 0, bits;
   for (uint32_t k = 0; k < p->solver->kind.dimension; ++k) {
-    const double value = component(p, i, k) + 0.0; /* -0 is 0 */
+    const double value = cell(p, i, k) + 0.0; /* -0 is 0 */
     memcpy(&bits, &value, sizeof bits);
     hash = (hash ^ bits) * odd;
     hash ^= hash >> 29;
@@ -102,8 +109,7 @@ typedef struct point_table {
 
 static int same_point(const points *p, uint32_t i, uint32_t j) {
   for (uint32_t k = 0; k < p->solver->kind.dimension; ++k)
-    if (component(p, i, k) < component(p, j, k) || component(p, i, k) > component(p, j, k))
-      return 0;
+    if (cell(p, i, k) < cell(p, j, k) || cell(p, i, k) > cell(p, j, k)) return 0;
   return 1;
 }
 
@@ -187,8 +193,8 @@ static pbf_status look_closer(const points *p, const hash_bits *h, pbf_distinct 
 }
 
 pbf_status pbf_distinct_positions(const pbf_solver *solver, const void *positions, uint32_t count,
-                                  pbf_distinct *distinct) {
-  const points p = {solver, positions, count};
+                                  double grain, pbf_distinct *distinct) {
+  const points p = {solver, positions, count, grain};
   hash_bits h;
   *distinct = (pbf_distinct){.positions = positions};
   pbf_status status = allocate_bits(&p, &h);

@@ -11,10 +11,11 @@ typedef struct pbf_distinct {
   uint64_t bytes;
 } pbf_distinct;
 
-/* Coincident particles among the `count` are set apart as physics/coincident.h says. Fails with
- * PBF_ERROR_OUT_OF_MEMORY. */
+/* Coincident particles among the `count` are set apart as physics/coincident.h says; those in one
+ * cell of this grain coincide, with 0 those at one point alone. Fails with PBF_ERROR_OUT_OF_MEMORY.
+ */
 pbf_status pbf_distinct_positions(const pbf_solver *solver, const void *positions, uint32_t count,
-                                  pbf_distinct *distinct);
+                                  double grain, pbf_distinct *distinct);
 void pbf_distinct_free(const pbf_solver *solver, pbf_distinct *distinct);
 
 #endif

@@ -11,6 +11,7 @@
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/overlap.h"
+#include "solver/prestabilize.h"
 #include "values.h"
 
 static const uint64_t id_end = UINT64_C(1) << 32;
@@ -71,7 +72,7 @@ pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void 
   pbf_status status = allocate_new_ids(solver, count, &ids);
   if (status != PBF_OK) return status;
   pbf_distinct distinct;
-  status = pbf_distinct_positions(solver, positions, count, &distinct);
+  status = pbf_distinct_positions(solver, positions, count, 0, &distinct);
   const pbf_particles particles = {.struct_size = sizeof particles,
                                    .count = count,
                                    .ids = ids,
@@ -79,9 +80,11 @@ pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void 
                                    .velocities = velocities,
                                    .phase = phase};
   if (status == PBF_OK) status = add_to_backend(solver, &particles);
+  const int were_parted = distinct.copy != NULL;
   pbf_distinct_free(solver, &distinct);
   free_new_ids(solver, count, ids);
   if (status != PBF_OK) return status;
+  pbf_note_added(solver, were_parted);
   solver->count += count;
   pbf_phases_append(solver, count, phase);
   if (is_placed)

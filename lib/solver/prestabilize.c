@@ -8,8 +8,10 @@
 #include "ids.h"
 #include "memory.h"
 #include "overlap.h"
+#include "particles/coincident.h"
 #include "physics/motion.h"
 #include "physics/prestabilization.h"
+#include "physics/spacing.h"
 #include "solver_time.h"
 #include "text.h"
 
@@ -52,20 +54,63 @@ static uint64_t positions_bytes(const pbf_solver *solver) {
   return solver->count * pbf_point_bytes(solver);
 }
 
-/* Where they are before the first pass moves them. */
-static pbf_status keep_positions(pbf_solver *solver, pbf_before_projection *before) {
-  if (before->positions) return PBF_OK;
-  pbf_status status = pbf_memory_allocate(&solver->allocator, positions_bytes(solver),
-                                          "positions before pre-stabilization", &before->positions);
-  if (status != PBF_OK) return status;
+static pbf_status write_rows(pbf_solver *solver, const void *positions) {
   const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
-  status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, before->positions);
-  if (status != PBF_OK) pbf_prestabilize_accept(solver, before);
-  return pbf_backend_result(solver, status, "read");
+  ++solver->generation;
+  return pbf_backend_result(
+      solver, solver->api.write(solver->backend, PBF_FIELD_POSITION, &rows, positions), "write");
 }
 
-/* `at_least` passes, whatever the error. */
-static pbf_status project(pbf_solver *solver, int at_least, pbf_before_projection *before) {
+static pbf_status read_rows(pbf_solver *solver, void **positions) {
+  pbf_status status = pbf_memory_allocate(&solver->allocator, positions_bytes(solver),
+                                          "positions before pre-stabilization", positions);
+  if (status != PBF_OK) return status;
+  const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  return pbf_backend_result(
+      solver, solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, *positions), "read");
+}
+
+static void free_rows(const pbf_solver *solver, void **positions) {
+  pbf_memory_free(&solver->allocator, *positions, positions_bytes(solver));
+  *positions = NULL;
+}
+
+/* Two particles at a point push each other to no side: passes would leave them together, and a
+ * later step throw them apart. What has come in several calls may lie upon each other, up to
+ * rounding. */
+static pbf_status set_apart(pbf_solver *solver, const void *positions) {
+  const double grain = pbf_derive_spacing(&solver->params) / 1024;
+  pbf_distinct distinct;
+  pbf_status status = pbf_distinct_positions(solver, positions, solver->count, grain, &distinct);
+  if (status == PBF_OK && distinct.copy) {
+    status = write_rows(solver, distinct.copy);
+    solver->placement.places |= PBF_PLACES_PARTED;
+  }
+  pbf_distinct_free(solver, &distinct);
+  return status;
+}
+
+/* Where they are before anything moves them. */
+static pbf_status keep_positions(pbf_solver *solver, pbf_before_projection *before) {
+  if (before->positions) return PBF_OK;
+  pbf_status status = read_rows(solver, &before->positions);
+  if (status == PBF_OK) return set_apart(solver, before->positions);
+  pbf_prestabilize_accept(solver, before);
+  return status;
+}
+
+/* The first pass takes all out of solids and walls: rows across a face come to one point of it. */
+static pbf_status set_apart_at_faces(pbf_solver *solver) {
+  void *positions = NULL;
+  pbf_status status = read_rows(solver, &positions);
+  if (status == PBF_OK) status = set_apart(solver, positions);
+  free_rows(solver, &positions);
+  return status;
+}
+
+/* At least one pass, whatever the error, where walls have jumped or particles been set apart. */
+static pbf_status project(pbf_solver *solver, int jumped, pbf_before_projection *before) {
+  const int at_least = jumped || solver->placement.places & PBF_PLACES_PARTED;
   double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
   pbf_stats stats;
   for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
@@ -79,6 +124,7 @@ static pbf_status project(pbf_solver *solver, int at_least, pbf_before_projectio
     if (status != PBF_OK) return status;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);
     status = pbf_backend_result(solver, status, "project");
+    if (status == PBF_OK && pass == 0) status = set_apart_at_faces(solver);
     if (status != PBF_OK) return status;
     ++solver->generation;
     max_error = remaining_part * wanted;
@@ -129,9 +175,12 @@ static void note_jumps(pbf_solver *solver, int walls) {
 pbf_status pbf_prestabilize(pbf_solver *solver, pbf_before_projection *before) {
   *before = (pbf_before_projection){.placement = solver->placement};
   int jumped = walls_have_jumped(solver);
-  int wanted = is_wanted(solver) && (jumped || solver->placement.set_anew || is_first(solver));
+  const uint64_t places = solver->placement.places;
+  int wanted = is_wanted(solver) && (jumped || places & PBF_PLACES_SET_ANEW || is_first(solver));
   note_jumps(solver, jumped);
   pbf_status status = wanted ? pbf_overlap_forget(solver) : PBF_OK;
+  if (status == PBF_OK && wanted && places & PBF_PLACES_ADDED)
+    status = keep_positions(solver, before);
   if (status == PBF_OK && wanted) status = project(solver, jumped, before);
   if (status == PBF_OK) solver->placement = (pbf_placement){0};
   return status;
@@ -146,13 +195,12 @@ void pbf_prestabilize_undo(pbf_solver *solver, pbf_before_projection *before) {
 }
 
 void pbf_prestabilize_accept(pbf_solver *solver, pbf_before_projection *before) {
-  pbf_memory_free(&solver->allocator, before->positions, positions_bytes(solver));
-  before->positions = NULL;
+  free_rows(solver, &before->positions);
 }
 
 int pbf_setting_matters(const pbf_solver *solver) {
   return solver->params.solver == PBF_SOLVER_CHEBYSHEV && !is_first(solver) &&
-         !solver->placement.set_anew;
+         !(solver->placement.places & PBF_PLACES_SET_ANEW);
 }
 
 void pbf_note_shift(pbf_solver *solver, const double shift[3]) {
@@ -174,11 +222,17 @@ void pbf_note_collider_shift(pbf_solver *solver, const pbf_collider_set *collide
   for (int k = 0; k < 3; ++k) placed->collider_shift[k] += shift[k];
 }
 
-void pbf_note_set_anew(pbf_solver *solver) { solver->placement.set_anew = 1; }
+void pbf_note_set_anew(pbf_solver *solver) { solver->placement.places |= PBF_PLACES_SET_ANEW; }
+
+void pbf_note_added(pbf_solver *solver, int were_parted) {
+  if (!is_first(solver)) return;
+  if (solver->count > 0) solver->placement.places |= PBF_PLACES_ADDED;
+  if (were_parted) solver->placement.places |= PBF_PLACES_PARTED;
+}
 
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
   double now = pbf_solver_time(solver);
-  solver->placement.set_anew |= (uint64_t)pbf_densities_change(&solver->params, params);
+  if (pbf_densities_change(&solver->params, params)) pbf_note_set_anew(solver);
   for (int wall = 0; wall < 2 * (int)solver->kind.dimension; ++wall)
     solver->placement.wall_shift[wall] +=
         pbf_motion_wall(params, wall, now) - pbf_motion_wall(&solver->params, wall, now);

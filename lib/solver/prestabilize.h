@@ -13,6 +13,9 @@ int pbf_setting_matters(const pbf_solver *solver);
 void pbf_note_shift(pbf_solver *solver, const double shift[3]);
 void pbf_note_set_anew(pbf_solver *solver);
 
+/* Particles are added to those that there are; of the new ones some were at one point. */
+void pbf_note_added(pbf_solver *solver, int were_parted);
+
 /* These of its colliders have been set elsewhere, all farther by the same. */
 void pbf_note_collider_shift(pbf_solver *solver, const pbf_collider_set *colliders,
                              const double shift[3]);

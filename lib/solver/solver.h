@@ -26,8 +26,12 @@ typedef struct pbf_overlap_state {
 } pbf_overlap_state;
 
 /* How places have been set since the last step: prestabilize.h. */
+/* How particles have been placed: all places, or what density they have, are other ones; to others
+ * that no step has moved more were added; some were at one point, and have been set apart. */
+enum { PBF_PLACES_SET_ANEW = 1, PBF_PLACES_ADDED = 2, PBF_PLACES_PARTED = 4, PBF_PLACES_ALL = 7 };
+
 typedef struct pbf_placement {
-  uint64_t set_anew;        /* 1: all places, or what density they have, are other ones */
+  uint64_t places;          /* of these */
   uint64_t shifted;         /* 1: colliders have jumped, */
   uint64_t colliders;       /* these, a bit each of the first 64 (colliders.h), … */
   double collider_shift[3]; /* … all alike */

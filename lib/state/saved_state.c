@@ -52,7 +52,7 @@ static pbf_status check_header(const pbf_solver *solver, const pbf_snapshot_head
   pbf_status status = check_kind(solver, header);
   if (status != PBF_OK) return status;
   if (header->collider_count > PBF_MAX_COLLIDERS || header->has_ids > 1 ||
-      header->kept >> PBF_KEPT_COUNT || header->placement.set_anew > 1 ||
+      header->kept >> PBF_KEPT_COUNT || header->placement.places > PBF_PLACES_ALL ||
       header->placement.shifted > 1 || header->count > PBF_MAX_CAPACITY || header->phases > size ||
       header->diffuse > size || header->has_accelerations > 1 ||
       header->acceleration_count > header->has_accelerations * header->count ||
