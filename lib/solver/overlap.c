@@ -26,6 +26,12 @@ void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t 
   if (none || last_id > o->last_id) o->last_id = last_id;
 }
 
+void pbf_overlap_note_all(pbf_solver *solver) {
+  pbf_overlap *o = noted(solver);
+  o->first_id = 0;
+  o->last_id = (uint32_t)(solver->next_id - 1);
+}
+
 void pbf_overlap_note_colliders(pbf_solver *solver, const pbf_collider_set *colliders) {
   if (!solver->overlap.moved || pbf_collider_set_is_empty(colliders)) return;
   pbf_overlap *o = noted(solver);

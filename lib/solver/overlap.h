@@ -8,6 +8,9 @@
 /* The particles of these rows are where no step has moved them. */
 void pbf_overlap_note_particles(pbf_solver *solver, uint32_t first_id, uint32_t last_id);
 
+/* Whatever all particles are too dense by, no step has made it. */
+void pbf_overlap_note_all(pbf_solver *solver);
+
 /* The backend keeps what overlaps, for the host to write to: the next step looks for it. */
 pbf_status pbf_overlap_expect(pbf_solver *solver);
 

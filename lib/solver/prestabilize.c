@@ -130,6 +130,7 @@ static pbf_status project(pbf_solver *solver, int jumped, pbf_before_projection 
     max_error = remaining_part * wanted;
   }
   if (stats.density_error_mean > wanted) warn(solver, stats.density_error_mean);
+  if (error > wanted) pbf_overlap_note_all(solver);
   return PBF_OK;
 }
 
