@@ -111,6 +111,8 @@ static pbf_status write_positions(pbf_solver *solver, uint32_t first, uint32_t c
   pbf_status status = check_written(solver, PBF_FIELD_POSITION, "positions", first, count, in);
   if (status == PBF_OK && count > 0 && pbf_setting_matters(solver))
     status = write_noted(solver, first, count, in);
+  else if (status == PBF_OK)
+    pbf_note_set(solver);
   return status == PBF_OK ? write_checked(solver, PBF_FIELD_POSITION, first, count, in) : status;
 }
 

@@ -180,7 +180,7 @@ pbf_status pbf_prestabilize(pbf_solver *solver, pbf_before_projection *before) {
   int wanted = is_wanted(solver) && (jumped || places & PBF_PLACES_SET_ANEW || is_first(solver));
   note_jumps(solver, jumped);
   pbf_status status = wanted ? pbf_overlap_forget(solver) : PBF_OK;
-  if (status == PBF_OK && wanted && places & PBF_PLACES_ADDED)
+  if (status == PBF_OK && wanted && places & PBF_PLACES_UNSEEN)
     status = keep_positions(solver, before);
   if (status == PBF_OK && wanted) status = project(solver, jumped, before);
   if (status == PBF_OK) solver->placement = (pbf_placement){0};
@@ -223,17 +223,22 @@ void pbf_note_collider_shift(pbf_solver *solver, const pbf_collider_set *collide
   for (int k = 0; k < 3; ++k) placed->collider_shift[k] += shift[k];
 }
 
-void pbf_note_set_anew(pbf_solver *solver) { solver->placement.places |= PBF_PLACES_SET_ANEW; }
+void pbf_note_set(pbf_solver *solver) { solver->placement.places |= PBF_PLACES_UNSEEN; }
+
+void pbf_note_set_anew(pbf_solver *solver) {
+  solver->placement.places |= PBF_PLACES_SET_ANEW | PBF_PLACES_UNSEEN;
+}
 
 void pbf_note_added(pbf_solver *solver, int were_parted) {
   if (!is_first(solver)) return;
-  if (solver->count > 0) solver->placement.places |= PBF_PLACES_ADDED;
+  if (solver->count > 0) pbf_note_set(solver);
   if (were_parted) solver->placement.places |= PBF_PLACES_PARTED;
 }
 
 void pbf_note_params(pbf_solver *solver, const pbf_params *params) {
   double now = pbf_solver_time(solver);
-  if (pbf_densities_change(&solver->params, params)) pbf_note_set_anew(solver);
+  if (pbf_densities_change(&solver->params, params))
+    solver->placement.places |= PBF_PLACES_SET_ANEW;
   for (int wall = 0; wall < 2 * (int)solver->kind.dimension; ++wall)
     solver->placement.wall_shift[wall] +=
         pbf_motion_wall(params, wall, now) - pbf_motion_wall(&solver->params, wall, now);

@@ -9,7 +9,8 @@
 /* Whether it matters how all positions at once are set now. */
 int pbf_setting_matters(const pbf_solver *solver);
 
-/* They have been: all farther by the same, or to other places. */
+/* They have been: it does not matter how; all farther by the same, or to other places. */
+void pbf_note_set(pbf_solver *solver);
 void pbf_note_shift(pbf_solver *solver, const double shift[3]);
 void pbf_note_set_anew(pbf_solver *solver);
 

@@ -26,9 +26,9 @@ typedef struct pbf_overlap_state {
 } pbf_overlap_state;
 
 /* How places have been set since the last step: prestabilize.h. */
-/* How particles have been placed: all places, or what density they have, are other ones; to others
- * that no step has moved more were added; some were at one point, and have been set apart. */
-enum { PBF_PLACES_SET_ANEW = 1, PBF_PLACES_ADDED = 2, PBF_PLACES_PARTED = 4, PBF_PLACES_ALL = 7 };
+/* How particles have been placed: all places, or what density they have, are other ones; whether
+ * two are at one point has not been looked for; some were, and have been set apart. */
+enum { PBF_PLACES_SET_ANEW = 1, PBF_PLACES_UNSEEN = 2, PBF_PLACES_PARTED = 4, PBF_PLACES_ALL = 7 };
 
 typedef struct pbf_placement {
   uint64_t places;          /* of these */

@@ -1,8 +1,7 @@
-/* Starts in which particles lie upon each other, by calls that fill the same places, or in a solid,
- * which takes rows of them out to one point of a face: none stay together. Between two particles at
- * a point nothing pushes, and water has as much less room as there are such pairs, until one
- * bursts.
- */
+/* Starts in which particles lie upon each other, by calls that fill or set the same places, or in a
+ * solid, which takes rows of them out to one point of a face: none stay together. Between two
+ * particles at a point nothing pushes, and water has as much less room as there are such pairs,
+ * until one bursts. */
 #include "support.h"
 
 #include <math.h>
@@ -96,6 +95,25 @@ static void check_fills(uint32_t dimension, uint32_t precision) {
   expect_apart("a place filled twice", dimension, precision, s);
 }
 
+/* All are set, the last where another is. */
+static void set_upon_another(pbf_solver *s, uint32_t dimension, uint32_t precision) {
+  static double x[3 * MOST];
+  uint32_t count;
+  assert_ok(pbf_get_count(s, &count));
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  for (uint32_t k = 0; k < dimension; ++k)
+    test_put(x, (uint64_t)(count - 1) * dimension + k, precision,
+             test_value(x, (uint64_t)(count / 2) * dimension + k, precision));
+  assert_ok(pbf_set_positions(s, 0, count, x));
+}
+
+static void check_set(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = tank(dimension, precision);
+  fill(s, dimension, precision, 0, WIDE);
+  set_upon_another(s, dimension, precision);
+  expect_apart("one set upon another", dimension, precision, s);
+}
+
 static void check_solid(uint32_t dimension, uint32_t precision) {
   pbf_solver *s = tank(dimension, precision);
   stand_on_floor(s);
@@ -106,17 +124,24 @@ static void check_solid(uint32_t dimension, uint32_t precision) {
 static void what_is_filled_twice_parts(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_fills);
+  test_for_long_kinds(check_fills);
+}
+
+static void what_is_set_upon_another_parts(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_for_long_kinds(check_set);
 }
 
 static void what_is_filled_over_a_solid_parts(void **state) {
   (void)state;
   if (test_is_stub()) test_skip("the stub solves nothing");
-  test_for_each_kind(check_solid);
+  test_for_long_kinds(check_solid);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_filled_twice_parts),
+                                     cmocka_unit_test(what_is_set_upon_another_parts),
                                      cmocka_unit_test(what_is_filled_over_a_solid_parts)};
   return TEST_RUN(tests);
 }

@@ -32,8 +32,8 @@ static pbf_solver *filled(uint32_t dimension, uint32_t precision, uint32_t wide)
   return s;
 }
 
-/* A tank made half as wide at once comes to be twice as deep, and little in it is faster than a fall
- * by as much. */
+/* A tank made half as wide at once comes to be twice as deep, and little in it is faster than a
+ * fall by as much. */
 static void check_narrower(uint32_t dimension, uint32_t precision) {
   const uint32_t wide = 40;
   const double height = 2 * LAYERS * d, fall = sqrt(2 * 9.81 * height);
