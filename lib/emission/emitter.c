@@ -147,6 +147,24 @@ void pbf_emitter_clean(pbf_emitter *emitter, uint32_t dimension) {
   if (!is_disc) emitter->radius = initial.radius;
 }
 
+static int are_same(const double a[3], const double b[3], uint32_t dimension) {
+  for (uint32_t k = 0; k < dimension; ++k)
+    if (a[k] < b[k] || a[k] > b[k]) return 0;
+  return 1;
+}
+
+int pbf_emitters_share(const pbf_emitter *one, const pbf_emitter *other, uint32_t dimension) {
+  if (one->shape != other->shape || !are_same(one->position, other->position, dimension) ||
+      !are_same(one->velocity, other->velocity, dimension))
+    return 0;
+  pbf_emitter a = *one, b = *other;
+  pbf_emitter_clean(&a, dimension);
+  pbf_emitter_clean(&b, dimension);
+  const double sizes[2][3] = {{a.half_width, a.half_height, a.radius},
+                              {b.half_width, b.half_height, b.radius}};
+  return are_same(sizes[0], sizes[1], 3) && are_same(a.across, b.across, 3);
+}
+
 pbf_status pbf_emitter_init(pbf_emitter *emitter, uint32_t struct_size, uint32_t shape) {
   const pbf_emitter initial = initial_of(shape);
   if (!emitter) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "emitter is null");

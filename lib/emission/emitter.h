@@ -14,6 +14,9 @@ pbf_status pbf_emitter_check(const pbf_emitter *emitter, uint32_t index, pbf_che
 pbf_status pbf_emitter_check_place(const pbf_emitter *emitter, uint32_t index,
                                    const pbf_solver *solver);
 
+/* Whether columns of both are at the same places, and their streams one. */
+int pbf_emitters_share(const pbf_emitter *one, const pbf_emitter *other, uint32_t dimension);
+
 /* What its shape and the dimension ignore becomes as pbf_emitter_init gives it. */
 void pbf_emitter_clean(pbf_emitter *emitter, uint32_t dimension);
 

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "emitter.h"
 #include "guided.h"
 #include "new_particles.h"
 #include "opening.h"
@@ -80,6 +81,29 @@ static int are_apart(const stream *one, const stream *other) {
   return 0;
 }
 
+static int share(const stream *one, const stream *other) {
+  return pbf_emitters_share(one->opening.emitter, other->opening.emitter, one->opening.dimension);
+}
+
+/* Those of one opening take turns, as long as it carries all of them. */
+static int is_carried(const stream *streams, uint32_t count, uint32_t number) {
+  const pbf_opening *o = &streams[number].opening;
+  const double column = o->dimension == 3 ? o->spacing * o->spacing : o->spacing, hair = 1e-6;
+  double rate = 0;
+  for (uint32_t i = 0; i < count; ++i)
+    if (share(&streams[i], &streams[number])) rate += streams[i].opening.rate;
+  return rate <= (1 + hair) * (double)o->columns * column * o->speed;
+}
+
+static int are_beside(const stream *streams, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t j = 0; j < i; ++j)
+      if (!are_apart(&streams[i], &streams[j]) &&
+          !(share(&streams[i], &streams[j]) && is_carried(streams, count, i)))
+        return 0;
+  return 1;
+}
+
 /* Streams that are lattices make no densities above that at rest: where they are denser solids or
  * other fluid hold them up, and that is to press. In a pipe with a neck what was allowed for of it
  * would go on with the fluid, and press it ever more. */
@@ -90,9 +114,7 @@ static int are_lattices(const pbf_solver *solver, const pbf_emission *e) {
     streams[i] = stream_of(solver, &e->sources[i]);
   for (uint32_t i = 0; i < e->head.guided_count && are; ++i)
     are = take_in(&streams[e->guided[i].source], &e->guided[i]);
-  for (uint32_t i = 0; i < e->head.source_count && are; ++i)
-    for (uint32_t j = 0; j < i && are; ++j) are = are_apart(&streams[i], &streams[j]);
-  return are;
+  return are && are_beside(streams, e->head.source_count);
 }
 
 /* All particles that their stream still moves: also those of which nothing is outside any more, for

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "emission.h"
+#include "emitter.h"
 #include "entering.h"
 #include "guided.h"
 #include "memory.h"
@@ -146,16 +147,44 @@ static pbf_status reserve_births(pbf_solver *solver, pbf_emission *e) {
   return PBF_OK;
 }
 
+/* Emitters of one opening, as of fluids that it mixes, take turns: particles leave it as those of
+ * one stream would that has all of their rates. They would else leave at the same times, and lie
+ * upon each other. */
+typedef struct turns {
+  double due, a_step; /* as a batch's */
+  uint64_t number;    /* of the next particle */
+  double late;        /* so much later than its turn a particle may be, along the stream */
+} turns;
+
+static turns turns_of(const pbf_solver *solver, const pbf_emission *e, const batch *own,
+                      uint32_t source) {
+  const double spacing = pbf_derive_spacing(&solver->params);
+  turns t = {own->due, own->a_step, e->sources[source].number, 0};
+  for (uint32_t i = 0; i < e->head.source_count; ++i) {
+    const pbf_source *other = &e->sources[i];
+    if (i == source ||
+        !pbf_emitters_share(&other->emitter, &e->sources[source].emitter, solver->kind.dimension))
+      continue;
+    const batch b = batch_of(solver, other);
+    t.due += i < source ? b.due - b.a_step : b.due; /* those before have had this step's */
+    t.a_step += b.a_step;
+    t.number += other->number;
+    t.late += spacing;
+  }
+  return t;
+}
+
 /* Particle j of the batch left when so much of the step was over as the due number says, and has
  * gone on since, unless it met a solid. */
-static void begin_batch(const pbf_solver *solver, const batch *b, uint32_t source, uint64_t number,
+static void begin_batch(const pbf_solver *solver, const batch *b, const turns *t, uint32_t source,
                         uint64_t count, pbf_guided *guided) {
   const uint32_t n = solver->kind.dimension;
   for (uint64_t j = 0; j < count; ++j) {
-    const double ahead = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
+    const double own = b->way * (1 - ((double)(j + 1) - b->due) / b->a_step);
+    const double in_turn = b->way * (1 - ((double)(j + 1) - t->due) / t->a_step);
     double place[3];
-    pbf_opening_place(&b->opening, number + j, place);
-    guided[j] = (pbf_guided){.source = source, .ahead = ahead};
+    pbf_opening_place(&b->opening, t->number + j, place);
+    guided[j] = (pbf_guided){.source = source, .ahead = fmin(in_turn, own + t->late)};
     memcpy(guided[j].from, place, n * sizeof *place);
     memcpy(guided[j].velocity, b->opening.emitter->velocity, n * sizeof *place);
   }
@@ -312,7 +341,9 @@ static pbf_status emit(pbf_solver *solver, pbf_emission *e, pbf_source *source) 
   if (status == PBF_OK) status = reserve_guided(solver, e, (uint32_t)count);
   if (status == PBF_OK && count > 0) {
     pbf_guided *guided = e->guided + e->head.guided_count;
-    begin_batch(solver, &b, (uint32_t)(source - e->sources), source->number, count, guided);
+    const uint32_t number = (uint32_t)(source - e->sources);
+    const turns t = turns_of(solver, e, &b, number);
+    begin_batch(solver, &b, &t, number, count, guided);
     written = write_batch(solver, e, count, guided);
     status = add_batch(solver, e, source, written,
                        (char *)e->particles + count * pbf_point_bytes(solver));
