@@ -11,7 +11,7 @@
 #ifndef PBF_PHYSICS_ADHESION_H
 #define PBF_PHYSICS_ADHESION_H
 
-#include "physics/loads.h"
+#include "physics/load_shares.h"
 
 /* b, with an attracting solid and one that repels. Measured on drops of some 14 spacings radius in
  * 2D and 8 in 3D. */

@@ -7,7 +7,7 @@
 #ifndef PBF_PHYSICS_FRICTION_H
 #define PBF_PHYSICS_FRICTION_H
 
-#include "physics/loads.h"
+#include "physics/load_shares.h"
 
 /* Of a solid. Surfaces have none of it: steps without friction copy them. */
 typedef struct pbf_friction {

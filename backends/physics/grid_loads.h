@@ -16,7 +16,7 @@
 #ifndef PBF_PHYSICS_GRID_LOADS_H
 #define PBF_PHYSICS_GRID_LOADS_H
 
-#include "physics/loads.h"
+#include "physics/load_shares.h"
 #include "physics/pressure_grid/grid.h"
 
 /* Solids farther away have no part in it. */
