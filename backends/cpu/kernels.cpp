@@ -1,5 +1,7 @@
 /* One instruction set's loops of one variant; see kernels.h. */
 #include "cpu/kernels_corrections.h"
+#include "cpu/kernels_grid_loads.h"
+#include "cpu/kernels_loads.h"
 #include "cpu/kernels_pressure_grid.h"
 #include "cpu/kernels_pairs.h"
 #include "cpu/kernels_particles.h"
@@ -45,6 +47,9 @@ const kernels PBF_VARIANT_API = {
     .placed_density = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? placed_density : NULL,
     .any_number_around = PBF_BUILT & PBF_FEATURE_CHEBYSHEV ? any_number_around : NULL,
     .residual_density = residual_density,
+    .note_pushes = PBF_BUILT & PBF_FEATURE_LOADS ? note_pushes : NULL,
+    .wall_loads = !BUILT_FOR_SIZE && PBF_BUILT & PBF_FEATURE_LOADS ? wall_loads : NULL,
+    .wall_grid_loads = !BUILT_FOR_SIZE && PBF_BUILT & PBF_FEATURE_LOADS ? wall_grid_loads : NULL,
     .deposit = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit : NULL,
     .deposit_moves = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? deposit_moves : NULL,
     .apply_correction = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID ? apply_correction : NULL,

@@ -5,6 +5,8 @@
 
 #include "common/pressure_grid.h"
 #include "cpu/grid.h"
+#include "physics/grid_loads.h"
+#include "physics/load_parts.h"
 #include "physics/no_slip.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/shear_stress.h"
@@ -180,6 +182,26 @@ typedef struct viscous_pass {
   field change, next; /* after the last one; and after the one before it, and then after this one */
 } viscous_pass;
 
+/* What becomes a part of loads: physics/loads.h. */
+typedef struct load_pass {
+  const pbf_constants *constants;
+  const pbf_domain *domain;
+  const pbf_load_scales *scales;
+  const pbf_load_measure *walls; /* all have the same */
+  field x, v, push;
+  const pbf_real *lambda;
+  const pbf_real *mobility; /* null: phases do not differ */
+} load_pass;
+
+/* What the pressure grid does to walls. */
+typedef struct grid_load_pass {
+  const pbf_pressure_grid_storage *storage;
+  const pbf_domain *domain;
+  const pbf_load_scales *scales;
+  const pbf_load_measure *walls;
+  pbf_grid_load_cubes cubes;
+} grid_load_pass;
+
 /* Sorted particles of which one byte says whether any of them can be awakened. */
 enum { ACTIVITY_CHUNK = 32 };
 
@@ -251,6 +273,21 @@ typedef struct kernels {
   int (*any_number_around)(const pair_pass *p, const pbf_real *numbers, uint32_t group);
   void (*residual_density)(const pbf_constants *constants, pbf_real *density, uint32_t first,
                            uint32_t last);
+
+  /* What pushes particles beside forces, at the beginning of loads: kernels_loads.h. */
+  void (*note_pushes)(double units, field v, field push, const pbf_real *mobility, uint32_t first,
+                      uint32_t last, pbf_wide_sum change[PBF_DIM]);
+  /* Adds up what the velocities of at most 32 particles that are awake are, and what walls, unless
+   * null, do to those of them that no collider is near; `others` are, a bit each. Returns these and
+   * those that something pushes though no wall is near. Null: built for size. */
+  uint32_t (*wall_loads)(const load_pass *p, uint32_t first, uint32_t last, uint32_t others,
+                         pbf_wide_sum change[PBF_DIM], pbf_load_sums walls[2 * PBF_DIM]);
+
+  /* Adds what the grid's pressure does to walls in the cell that is the i-th along each axis, at
+   * its points but `others`, a bit each, that colliders are near. 0: it is not done, since walls
+   * hide each other there. Null: built for size. */
+  int (*wall_grid_loads)(const grid_load_pass *p, const int i[PBF_DIM], uint64_t others,
+                         pbf_load_sums walls[2 * PBF_DIM]);
 
   /* The pressure grid's, over particles … */
   void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,

@@ -335,13 +335,12 @@ static __attribute__((noinline)) move_sums<lane> sums_of_pairs(const Pass &pass,
 /* What solids do to a group's velocities, which were v, and without them would have got `pairs`. */
 static __attribute__((noinline)) void note_push(const pbf_constants *c, const move_pass *m,
                                                 const lane_values *v, const lane_values *pairs,
-                                                uint32_t first, uint32_t lanes) {
+                                                uint32_t first) {
   const lane push = ops<lane>::set(m->inv_time_step * c->omega);
   for (int k = 0; k < PBF_DIM; ++k) {
-    alignas(64) pbf_real without[WIDTH];
-    lane_store(without, ops<lane>::multiply_add(push, lane_load(pairs->c[k]), lane_load(v->c[k])));
-    for (uint32_t l = 0, i = first; l < lanes; ++l, ++i)
-      m->push->c[k][i] += m->velocity.c[k][i] - without[l];
+    const lane without = ops<lane>::multiply_add(push, lane_load(pairs->c[k]), lane_load(v->c[k]));
+    pbf_real *noted = m->push->c[k] + first;
+    lane_store(noted, lane_load(noted) + (lane_load(m->velocity.c[k] + first) - without));
   }
 }
 
@@ -416,7 +415,7 @@ PBF_FN void move_groups(const Pass &pass, const pair_pass *p, const move_pass *m
     }
     store_velocities(m, v, &moved, &after, g * WIDTH, lanes);
     if (notes && (by_solids || memcmp(&moved, &after, sizeof moved) != 0))
-      note_push(pass.c, m, &v_before, &pairs, g * WIDTH, lanes);
+      note_push(pass.c, m, &v_before, &pairs, g * WIDTH);
     store_lanes(&m->to, g * WIDTH, lanes, &after);
   }
 }

@@ -47,6 +47,13 @@ struct near_surfaces {
     any = count || to_wall < bounds.radius + reach;
   }
 
+  /* Whether one of them may be within a reach of a place. */
+  bool any_near(const pbf_obstacles &o, pbf_vec x, pbf_real reach) const {
+    for (int k = 0; k < count; ++k)
+      if (!pbf_surface_is_beyond(&o.surfaces[of[k]], x, reach)) return true;
+    return false;
+  }
+
   /* Of a field planes may be nearer than the surface is. */
   static bool may_be_near(const group_bounds *bounds, const pbf_surface *s, pbf_real reach) {
     if (pbf_surface_is_field(s))
@@ -55,13 +62,23 @@ struct near_surfaces {
   }
 };
 
+static void add_sums_to_shared(const worker *w, int solid, const pbf_load_sums *from) {
+  pbf_load_sums *to = &w->s->load_tally->sums[solid];
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_to_shared(&to->of[k], from->of[k]);
+  __atomic_fetch_add(&to->contacts, from->contacts, __ATOMIC_RELAXED);
+  uint64_t depth = __atomic_load_n(&to->depth, __ATOMIC_RELAXED);
+  while (depth < from->depth && !__atomic_compare_exchange_n(&to->depth, &depth, from->depth, true,
+                                                             __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+}
+
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {
   enum { SLOTS = 4 };
   const worker *w;
   const pbf_load_scales *scales;
   int solid[SLOTS];
-  load_measure measures[SLOTS];
+  pbf_load_measure measures[SLOTS];
   pbf_load_sums sums[SLOTS];
 
   recent_loads(const worker *of, const pbf_load_scales *by) : w(of), scales(by) {
@@ -70,15 +87,7 @@ struct recent_loads {
 
   void flush(int slot) {
     if (solid[slot] < 0) return;
-    pbf_load_sums *to = &w->s->load_tally->sums[solid[slot]];
-    const pbf_load_sums *from = &sums[slot];
-    for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_to_shared(&to->of[k], from->of[k]);
-    __atomic_fetch_add(&to->contacts, from->contacts, __ATOMIC_RELAXED);
-    uint64_t depth = __atomic_load_n(&to->depth, __ATOMIC_RELAXED);
-    while (depth < from->depth &&
-           !__atomic_compare_exchange_n(&to->depth, &depth, from->depth, true, __ATOMIC_RELAXED,
-                                        __ATOMIC_RELAXED)) {
-    }
+    add_sums_to_shared(w, solid[slot], &sums[slot]);
     solid[slot] = -1;
   }
 
@@ -223,29 +232,79 @@ static void adhesion_task(void *context, uint32_t task) {
   loads.end();
 }
 
-/* What the grid's pressure in the i-th cell along each axis does to solids. */
-static void add_grid_loads(const worker *w, const grid_load_cubes &cubes, const int i[PBF_DIM],
-                           recent_loads *loads) {
-  const pbf_pressure_grid *c = &w->s->pressure_grid.grid;
-  const pbf_vec middle = pbf_cell_middle(c, i);
-  pbf_vec half;
-  near_surfaces near;
-  for (int k = 0; k < PBF_DIM; ++k) half.c[k] = (pbf_real)(0.5 * c->width);
-  near.find_between(&w->obstacles, pbf_sub(middle, half), pbf_add_scaled(middle, 1, half),
-                    (pbf_real)pbf_grid_load_reach(loads->scales->spacing));
-  if (!near.any) return;
-  each_grid_load_point(c, cubes.points, i, [&](pbf_vec x) {
+namespace {
+
+/* What the grid's pressure does, in the cells of a task. */
+struct grid_loads {
+  const worker *w;
+  grid_load_pass pass;
+  recent_loads recent;
+  pbf_load_sums walls[2 * PBF_DIM]; /* of cells in lanes */
+
+  grid_loads(const worker *of, const pbf_load_scales *scales, const pbf_load_measure *measure)
+      : w(of),
+        pass{&of->s->pressure_grid, &of->obstacles.domain, scales, measure,
+             grid_load_cubes_of(scales, &of->s->pressure_grid.grid)},
+        recent(of, scales),
+        walls{} {}
+
+  /* In the i-th cell along each axis. */
+  void add(const int i[PBF_DIM]) {
+    const pbf_pressure_grid *c = &pass.storage->grid;
+    const pbf_vec middle = pbf_cell_middle(c, i);
+    pbf_vec half;
+    near_surfaces near;
+    for (int k = 0; k < PBF_DIM; ++k) half.c[k] = (pbf_real)(0.5 * c->width);
+    near.find_between(&w->obstacles, pbf_sub(middle, half), pbf_add_scaled(middle, 1, half),
+                      (pbf_real)pbf_grid_load_reach(pass.scales->spacing));
+    if (!near.any) return;
+    uint64_t left = points_near(near, i);
+    const bool all = !add_in_lanes(i, left);
+    if (!all && !left) return;
+    each_grid_load_point(c, pass.cubes.points, i, [&](pbf_vec x) {
+      if (all || (left & 1)) add_point(near, x);
+      left >>= 1;
+    });
+  }
+
+  /* The points of a cell that colliders are near, a bit each. */
+  uint64_t points_near(const near_surfaces &near, const int i[PBF_DIM]) const {
+    const pbf_real reach = (pbf_real)pbf_grid_load_reach(pass.scales->spacing);
+    uint64_t points = 0, bit = 1;
+    if (!near.count) return 0;
+    each_grid_load_point(&pass.storage->grid, pass.cubes.points, i, [&](pbf_vec x) {
+      points |= near.any_near(w->obstacles, x, reach) ? bit : 0;
+      bit <<= 1;
+    });
+    return points;
+  }
+
+  /* All but some of its points; false: none, and they are to be added one by one. */
+  bool add_in_lanes(const int i[PBF_DIM], uint64_t others) {
+    const auto add = w->s->kernels->wall_grid_loads;
+    const int most = PBF_DIM == 3 ? 4 : 8; /* points along an axis, of which each has a bit */
+    return add && pass.cubes.points <= most && add(&pass, i, others, walls);
+  }
+
+  void add_point(const near_surfaces &near, pbf_vec x) {
     share_grid_pressure_around(
-        loads->scales, cubes, w->obstacles, near, x,
+        pass.scales, pass.cubes, w->obstacles, near, x,
         [&](pbf_vec at, double slope[]) {
-          return pbf_pressure_grid_pressure(&w->s->pressure_grid, w->s->params.time_step, at,
-                                            cubes.part, slope);
+          return pbf_pressure_grid_pressure(pass.storage, pass.scales->time_step, at,
+                                            pass.cubes.part, slope);
         },
         [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
-          loads->add_beside(plane, at, share);
+          recent.add_beside(plane, at, share);
         });
-  });
-}
+  }
+
+  void end() {
+    recent.end();
+    for (int wall = 0; wall < 2 * PBF_DIM; ++wall) add_sums_to_shared(w, wall, &walls[wall]);
+  }
+};
+
+}  // namespace
 
 /* On ranks, which have all of the grid, each looks at some of the cells. */
 static bool is_load_cell(const worker *w, uint32_t cell, int i[PBF_DIM]) {
@@ -259,39 +318,103 @@ static bool is_load_cell(const worker *w, uint32_t cell, int i[PBF_DIM]) {
 static void grid_loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
-  const grid_load_cubes cubes = grid_load_cubes_of(&scales, &w->s->pressure_grid.grid);
+  const pbf_load_measure measure = load_measure_of(&scales, w->obstacles, 0);
   const range cells = part_of(w->s->pressure_grid.grid.nodes, task, pair_task_count(w));
-  recent_loads loads(w, &scales);
+  grid_loads loads(w, &scales, &measure);
   for (uint32_t cell = cells.first; cell < cells.last; ++cell) {
     int i[PBF_DIM];
-    if (is_load_cell(w, cell, i)) add_grid_loads(w, cubes, i, &loads);
+    if (is_load_cell(w, cell, i)) loads.add(i);
   }
   loads.end();
+}
+
+static load_pass load_pass_of(const worker *w, const pbf_load_scales *scales,
+                              const pbf_load_measure *walls) {
+  const solver *s = w->s;
+  return {&w->constants, &w->obstacles.domain, scales, walls, w->b.x, w->b.v, s->push,
+          s->lambda,     s->mobility};
+}
+
+namespace {
+
+/* What is summed up for a task. */
+struct task_loads {
+  const worker *w;
+  const pbf_load_scales *scales;
+  pbf_wide_sum change[PBF_DIM];
+  recent_loads recent;
+  pbf_load_sums walls[2 * PBF_DIM]; /* of particles in lanes */
+
+  task_loads(const worker *of, const pbf_load_scales *by)
+      : w(of), scales(by), change{}, recent(of, by), walls{} {}
+
+  /* What a particle has got is shared out. */
+  void share(const near_surfaces &near, const load_particle &p) {
+    int last = -1;
+    share_push(
+        &w->constants, scales, w->obstacles, near, p, [] { return (pbf_real)0; },
+        [&](const pbf_load_plane &plane, const load_share &part) {
+          recent.add(plane, p.x, part, &last);
+        });
+  }
+
+  void add(const near_surfaces &near, uint32_t i) {
+    load_particle p = load_momentum_at(w, scales, near, i);
+    p.has_grid = false;
+    for (int k = 0; k < PBF_DIM; ++k)
+      pbf_wide_add(&change[k], pbf_wide_of(scales->velocity * (double)p.change.c[k]));
+    if (near.any || is_pushed(w, i)) share(near, p);
+  }
+
+  /* The particles that colliders are near, a bit each. */
+  uint32_t particles_near(const near_surfaces &near, range r) const {
+    uint32_t particles = 0;
+    for (uint32_t i = r.first; i < r.last && near.count; ++i)
+      if (near.any_near(w->obstacles, field_at(&w->b.x, i), (pbf_real)scales->reach))
+        particles |= (uint32_t)1 << (i - r.first);
+    return particles;
+  }
+
+  /* Particles that are awake. */
+  void add_in_lanes(const load_pass &pass, const near_surfaces &near, range r) {
+    uint32_t left = w->s->kernels->wall_loads(&pass, r.first, r.last, particles_near(near, r),
+                                              change, near.any ? walls : NULL);
+    for (uint32_t i = r.first; left; ++i, left >>= 1)
+      if (left & 1) {
+        load_particle p = load_momentum_at(w, scales, near, i);
+        p.has_grid = false;
+        share(near, p);
+      }
+  }
+
+  void end() {
+    recent.end();
+    for (int wall = 0; wall < 2 * PBF_DIM; ++wall) add_sums_to_shared(w, wall, &walls[wall]);
+    add_change(w->s, change);
+  }
+};
+
+}  // namespace
+
+static bool is_in_lanes(const worker *w, range r) {
+  return w->s->kernels->wall_loads && sleeping_particles(w, r.first, r.last).first == r.last;
 }
 
 static void loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
-  const range all = task_sorted(w, task);
-  pbf_wide_sum change[PBF_DIM] = {};
-  recent_loads loads(w, &scales);
-  each_near_surfaces(w, scales.reach, all, [&](const near_surfaces &near, range some) {
-    for (uint32_t i = some.first; i < some.last; ++i) {
-      load_particle p = load_momentum_at(w, &scales, near, i);
-      int last = -1;
-      p.has_grid = false;
-      for (int k = 0; k < PBF_DIM; ++k)
-        pbf_wide_add(&change[k], pbf_wide_of(scales.velocity * (double)p.change.c[k]));
-      if (!near.any && !is_pushed(w, i)) continue;
-      share_push(
-          &w->constants, &scales, w->obstacles, near, p, [] { return (pbf_real)0; },
-          [&](const pbf_load_plane &plane, const load_share &share) {
-            loads.add(plane, p.x, share, &last);
-          });
-    }
-  });
+  const pbf_load_measure walls = load_measure_of(&scales, w->obstacles, 0);
+  const load_pass pass = load_pass_of(w, &scales, &walls);
+  task_loads loads(w, &scales);
+  each_near_surfaces(w, scales.reach, task_sorted(w, task),
+                     [&](const near_surfaces &near, range some) {
+                       if (is_in_lanes(w, some)) {
+                         loads.add_in_lanes(pass, near, some);
+                         return;
+                       }
+                       for (uint32_t i = some.first; i < some.last; ++i) loads.add(near, i);
+                     });
   loads.end();
-  add_change(w->s, change);
 }
 
 /* The largest depth of each solid over all ranks, which the first of them then has alone. */

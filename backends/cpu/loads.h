@@ -44,13 +44,14 @@ static void push_task(void *context, uint32_t task) {
   const solver *s = w->s;
   const double units = -pbf_units_of_momentum(&w->constants, &w->forces);
   pbf_wide_sum change[PBF_DIM] = {};
-  for (uint32_t i = s->first_place[task]; i < s->first_place[task + 1]; ++i) {
+  const range r = {s->first_place[task], s->first_place[task + 1]};
+  for (uint32_t i = r.first; i < r.last; ++i) {
     const bool sleeps = sleep_is_on(w) && pbf_is_asleep(w->activity[i]);
-    const pbf_vec v = field_at(&w->b.sorted_velocity, i);
-    const pbf_vec forced = sleeps ? v : forced_velocity(w, s->order[i]);
-    const pbf_real mass = s->mobility ? 1 / s->mobility[i] : 1;
-    note_push(w, i, v, forced, mass, units, change);
+    field_set(&s->push, i,
+              sleeps ? field_at(&w->b.sorted_velocity, i) : forced_velocity(w, s->order[i]));
   }
+  s->kernels->note_pushes(units, w->b.sorted_velocity, s->push, s->mobility, r.first, r.last,
+                          change);
   if (finds_loads(s)) add_change(s, change);
 }
 

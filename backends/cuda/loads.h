@@ -336,7 +336,7 @@ static __global__ void __launch_bounds__(GRID_LOADS_BLOCK)
   pbf_pressure_grid_place(c, cell, i);
   if (!pbf_cell_is_inside(c, i)) return;
   begin_wall_sums(&walls);
-  const grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
+  const pbf_grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
   for (int k = 0; k < PBF_DIM; ++k) points *= cubes.points;
   for (int point = (int)threadIdx.x; point < points; point += (int)blockDim.x) {
     const pbf_vec x = grid_load_point(c, cubes.points, i, point);

@@ -22,6 +22,14 @@
 /* Solids farther away have no part in it. */
 PBF_FN double pbf_grid_load_reach(double spacing) { return 2.5 * spacing; }
 
+/* What points stand for, which is the same for all of them. */
+typedef struct pbf_grid_load_cubes {
+  int points;       /* along an axis of a cell */
+  double part;      /* of a cell, along an axis */
+  double width;     /* along an axis */
+  double particles; /* that fill it */
+} pbf_grid_load_cubes;
+
 namespace {
 
 /* psi of a solid without others: 1 on it, 0 farther off than the reach. Over the width of a point's
@@ -63,7 +71,26 @@ PBF_FN void each_solid_near(const Obstacles &o, const Near &near, double spacing
  * are across an axis: along it these are a part of psi, which is 1 inside of them. */
 struct grid_load_free {
   double all, across[PBF_DIM];
+
+  /* This part of it is free of a solid with this normal. */
+  PBF_IN void cut(double part, pbf_vec normal) {
+    all *= part;
+    for (int k = 0; k < PBF_DIM; ++k)
+      across[k] *= 1 - (1 - part) * (1 - (double)normal.c[k] * (double)normal.c[k]);
+  }
 };
+
+PBF_FN grid_load_free grid_load_all_free() {
+  grid_load_free free;
+  free.all = 1;
+  for (int k = 0; k < PBF_DIM; ++k) free.across[k] = 1;
+  return free;
+}
+
+/* What of a cube is free of a solid so far from its middle. */
+PBF_FN double grid_load_part(double distance, double width) {
+  return pbf_max(pbf_min(0.5 + distance / width, 1), 0);
+}
 
 /* The solids within reach of a point, as many as there is room for. */
 struct grid_load_solids {
@@ -75,6 +102,9 @@ struct grid_load_solids {
   }
 };
 
+/* Whether a place so far from a solid is in it. */
+PBF_FN bool grid_load_hides(double distance, double spacing) { return distance < -0.05 * spacing; }
+
 /* What is just before its nearest place is in another solid, and so no fluid is at it. */
 template <class Obstacles>
 PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, double spacing,
@@ -84,7 +114,8 @@ PBF_FN bool is_hidden(const Obstacles &o, const grid_load_solids &near, int k, d
   pbf_vec normal;
   for (int i = 0; i < near.count; ++i)
     if (i != k &&
-        (double)solid_distance(o, near.of[i].solid, spacing, before, &normal) < -0.05 * spacing)
+        grid_load_hides((double)solid_distance(o, near.of[i].solid, spacing, before, &normal),
+                        spacing))
       return true;
   return false;
 }
@@ -140,6 +171,22 @@ PBF_FN double open_pressure(double p, const double slope[PBF_DIM], double spacin
   return pbf_max(pbf_min(depth / whole, 1), 0);
 }
 
+/* The grid's pressure over the reference density, its slope, and those of one that is 1. */
+struct grid_load_pressure {
+  double p, slope[PBF_DIM], one, open_slope[PBF_DIM];
+};
+
+/* Along axis j, where psi of the solid rises by `rise` over a cube, and has twice the mean `sum`.
+ */
+PBF_FN void share_along(const pbf_load_scales *s, const grid_load_pressure &here,
+                        const grid_load_free &free, int j, double rise, double sum, double width,
+                        double particles, load_share *share) {
+  const double part = particles * free.across[j] * rise / width;
+  const double mean = particles * free.all * 0.5 * sum;
+  share->change[j] = -s->time_step * (here.p * part + mean * here.slope[j]);
+  share->open[j] = -s->spacing * (here.one * part + mean * here.open_slope[j]);
+}
+
 /* Calls take(plane, share) for each solid that the grid's pressure at a point x presses on, which
  * stands for so many particles in a cube this wide; pressure(x, slope) is over the reference
  * density. */
@@ -151,22 +198,19 @@ PBF_FN void share_grid_pressure(const pbf_load_scales *s, const Obstacles &o,
   pbf_load_plane of[PBF_LOAD_PLANES];
   const int count = find_grid_load_solids(o, near, s->spacing, x, of);
   if (!count) return;
-  double slope[PBF_DIM], open_slope[PBF_DIM];
   double before[PBF_DIM][PBF_LOAD_PLANES], after[PBF_DIM][PBF_LOAD_PLANES];
-  const double p = pressure(at, slope);
-  const double one = open_pressure(p, slope, s->spacing, width, open_slope);
+  grid_load_pressure here;
+  here.p = pressure(at, here.slope);
+  here.one = open_pressure(here.p, here.slope, s->spacing, width, here.open_slope);
   for (int j = 0; j < PBF_DIM; ++j) {
     grid_load_psi_at(of, count, s->spacing, width, j, -0.5 * width, before[j]);
     grid_load_psi_at(of, count, s->spacing, width, j, 0.5 * width, after[j]);
   }
   for (int k = 0; k < count; ++k) {
     load_share share = {{0}, {0}, {0}};
-    for (int j = 0; j < PBF_DIM; ++j) {
-      const double rise = particles * free.across[j] * (after[j][k] - before[j][k]) / width;
-      const double mean = particles * free.all * 0.5 * (after[j][k] + before[j][k]);
-      share.change[j] = -s->time_step * (p * rise + mean * slope[j]);
-      share.open[j] = -s->spacing * (one * rise + mean * open_slope[j]);
-    }
+    for (int j = 0; j < PBF_DIM; ++j)
+      share_along(s, here, free, j, after[j][k] - before[j][k], after[j][k] + before[j][k], width,
+                  particles, &share);
     take(of[k], share);
   }
 }
@@ -179,15 +223,8 @@ PBF_FN int grid_load_points(const pbf_pressure_grid *c) {
   return (int)pbf_max(1, pbf_min(points, PBF_GRID_LOAD_POINTS));
 }
 
-/* What points stand for, which is the same for all of them. */
-struct grid_load_cubes {
-  int points;       /* along an axis of a cell */
-  double part;      /* of a cell, along an axis */
-  double width;     /* along an axis */
-  double particles; /* that fill it */
-};
-
-PBF_FN grid_load_cubes grid_load_cubes_of(const pbf_load_scales *s, const pbf_pressure_grid *c) {
+PBF_FN pbf_grid_load_cubes grid_load_cubes_of(const pbf_load_scales *s,
+                                              const pbf_pressure_grid *c) {
   const int points = grid_load_points(c);
   const double part = 1.0 / points, width = c->width * part;
   return {points, part, width, (PBF_DIM == 3 ? width : 1) * width * width / s->mass};
@@ -199,19 +236,14 @@ template <class Obstacles, class Near>
 PBF_FN grid_load_free grid_load_free_part(const Obstacles &o, const Near &near, double spacing,
                                           double width, pbf_vec x, pbf_vec *at,
                                           grid_load_solids *found) {
-  grid_load_free free;
-  free.all = 1;
-  for (int k = 0; k < PBF_DIM; ++k) free.across[k] = 1;
+  grid_load_free free = grid_load_all_free();
   double nearest = 0.25 * width;
   pbf_vec out = {{0}};
   found->count = 0;
   *at = x;
   each_solid_near(o, near, spacing, x, [&](int solid, pbf_real from, pbf_vec normal) {
     const double distance = (double)from;
-    const double part = pbf_max(pbf_min(0.5 + distance / width, 1), 0);
-    free.all *= part;
-    for (int k = 0; k < PBF_DIM; ++k)
-      free.across[k] *= 1 - (1 - part) * (1 - (double)normal.c[k] * (double)normal.c[k]);
+    free.cut(grid_load_part(distance, width), normal);
     found->take(solid, from, normal);
     if (distance >= nearest) return;
     nearest = distance;
@@ -257,7 +289,7 @@ PBF_FN void each_grid_load_point(const pbf_pressure_grid *c, int points, const i
 /* Calls take(plane, x, share) for each solid that the grid's pressure in the cube around a point
  * presses on, as a particle that stands for it would. */
 template <class Obstacles, class Near, class Pressure, class Take>
-PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const grid_load_cubes &cubes,
+PBF_FN void share_grid_pressure_around(const pbf_load_scales *s, const pbf_grid_load_cubes &cubes,
                                        const Obstacles &o, const Near &near, pbf_vec x,
                                        Pressure pressure, Take take) {
   grid_load_solids found;

@@ -50,6 +50,15 @@ struct ops<pbf_real> {
 };
 #endif
 
+/* Calls visit(0) … visit(COUNT - 1), not as a loop: around it the compiler makes vectors. */
+template <int COUNT, class Visit>
+PBF_FN void pbf_unrolled(Visit visit) {
+  if constexpr (COUNT > 0) {
+    pbf_unrolled<COUNT - 1>(visit);
+    visit(COUNT - 1);
+  }
+}
+
 /* max(a b + 1, 0), where a b <= 0: one instruction of a GPU for a float. */
 template <class L>
 PBF_FN L ramp(L a, L b) {

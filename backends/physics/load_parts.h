@@ -4,6 +4,22 @@
 
 #include "physics/load_shares.h"
 
+/* What the sums of a solid are told in: their units, and from where places are. */
+typedef struct pbf_load_measure {
+  double units[PBF_LOAD_SUMS], origin[PBF_DIM];
+} pbf_load_measure;
+
+/* Of a depth, which is not negative. */
+PBF_FN uint64_t pbf_depth_bits(double depth) {
+  uint64_t bits;
+  memcpy(&bits, &depth, sizeof bits);
+  return bits;
+}
+
+PBF_FN void pbf_deepen(pbf_load_sums *to, uint64_t depth) {
+  to->depth = to->depth > depth ? to->depth : depth;
+}
+
 namespace {
 
 /* A plane's part, in units, as it is added to the sums of its solid. */
@@ -16,17 +32,12 @@ struct load_part {
 /* How much of a layer a particle is, such that layers a spacing apart, wherever they are, are one
  * together. */
 PBF_FN double wet_part(const pbf_load_scales *s, pbf_real distance) {
-  return fmax(0.0, 1 - fmax((double)distance, 0.0) / (2 * s->spacing));
+  return pbf_max(1 - pbf_max((double)distance, 0) / (2 * s->spacing), 0);
 }
 
-/* What the sums of a solid are told in: their units, and from where places are. */
-struct load_measure {
-  double units[PBF_LOAD_SUMS], origin[PBF_DIM];
-};
-
 template <class Obstacles>
-PBF_FN load_measure load_measure_of(const pbf_load_scales *s, const Obstacles &o, int solid) {
-  load_measure m;
+PBF_FN pbf_load_measure load_measure_of(const pbf_load_scales *s, const Obstacles &o, int solid) {
+  pbf_load_measure m;
   for (int k = 0; k < PBF_DIM; ++k)
     m.origin[k] = solid < PBF_WALLS ? 0 : (double)o.surfaces[solid - PBF_WALLS].center.c[k];
   pbf_load_units(s->velocity, pbf_lever(o, s->periods, solid), m.units);
@@ -35,16 +46,14 @@ PBF_FN load_measure load_measure_of(const pbf_load_scales *s, const Obstacles &o
 
 /* A plane's part in these sums. */
 struct load_numbers {
-  double of[PBF_LOAD_SUMS];
-  uint64_t depth;
+  double of[PBF_LOAD_SUMS], depth;
   bool touches;
 };
 
-PBF_FN load_numbers load_numbers_of(const pbf_load_scales *s, const load_measure &m, pbf_vec x,
+PBF_FN load_numbers load_numbers_of(const pbf_load_scales *s, const pbf_load_measure &m, pbf_vec x,
                                     const pbf_load_plane &p, const load_share &share) {
-  load_numbers number = {{0}, 0, (double)p.distance < s->spacing};
+  load_numbers number = {{0}, pbf_max(-(double)p.distance, 0), (double)p.distance < s->spacing};
   double r[3] = {0}, u[3] = {0};
-  const double depth = fmax(0.0, -(double)p.distance);
   for (int k = 0; k < PBF_DIM; ++k) {
     u[k] = share.change[k];
     number.of[PBF_LOAD_ALONG + k] = share.along[k];
@@ -58,7 +67,6 @@ PBF_FN load_numbers load_numbers_of(const pbf_load_scales *s, const load_measure
     number.of[PBF_LOAD_TURN + k] = r[a] * u[b] - r[b] * u[a];
     number.of[PBF_LOAD_PLACE + k] = number.of[PBF_LOAD_WET] * r[k];
   }
-  memcpy(&number.depth, &depth, sizeof number.depth);
   return number;
 }
 
@@ -71,12 +79,12 @@ PBF_FN load_numbers without_wet(load_numbers number) {
 
 PBF_FN bool is_none(double number) { return !(number > 0 || number < 0); }
 
-PBF_FN load_part load_part_in(const load_measure &m, const load_numbers &number) {
+PBF_FN load_part load_part_in(const pbf_load_measure &m, const load_numbers &number) {
   load_part part;
   for (int k = 0; k < PBF_LOAD_SUMS; ++k)
     part.of[k] =
         is_none(number.of[k]) ? pbf_wide_sum{0, 0} : pbf_wide_of(number.of[k] * m.units[k]);
-  part.depth = number.depth;
+  part.depth = pbf_depth_bits(number.depth);
   part.touches = number.touches;
   return part;
 }
@@ -84,30 +92,30 @@ PBF_FN load_part load_part_in(const load_measure &m, const load_numbers &number)
 template <class Obstacles>
 PBF_FN load_part load_part_of(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
                               const pbf_load_plane &p, const load_share &share) {
-  const load_measure m = load_measure_of(s, o, p.solid);
+  const pbf_load_measure m = load_measure_of(s, o, p.solid);
   return load_part_in(m, load_numbers_of(s, m, x, p, share));
 }
 
 template <class Obstacles>
 PBF_FN load_part load_part_beside(const pbf_load_scales *s, const Obstacles &o, pbf_vec x,
                                   const pbf_load_plane &p, const load_share &share) {
-  const load_measure m = load_measure_of(s, o, p.solid);
+  const pbf_load_measure m = load_measure_of(s, o, p.solid);
   return load_part_in(m, without_wet(load_numbers_of(s, m, x, p, share)));
 }
 
 /* Most of a part is nothing. */
-PBF_FN void add_numbers(pbf_load_sums *to, const load_measure &m, const load_numbers &number,
+PBF_FN void add_numbers(pbf_load_sums *to, const pbf_load_measure &m, const load_numbers &number,
                         bool counts) {
   for (int k = 0; k < PBF_LOAD_SUMS; ++k)
     if (!is_none(number.of[k])) pbf_wide_add(&to->of[k], pbf_wide_of(number.of[k] * m.units[k]));
   to->contacts += counts;
-  to->depth = to->depth > number.depth ? to->depth : number.depth;
+  pbf_deepen(to, pbf_depth_bits(number.depth));
 }
 
 PBF_FN void add_part(pbf_load_sums *to, const load_part &part, bool counts) {
   for (int k = 0; k < PBF_LOAD_SUMS; ++k) pbf_wide_add(&to->of[k], part.of[k]);
   to->contacts += counts;
-  to->depth = to->depth > part.depth ? to->depth : part.depth;
+  pbf_deepen(to, part.depth);
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ PBF_FN double load_across() { return 1e-3; }
 
 /* The nearer a plane, the more it takes of what others could take as well. */
 PBF_FN double load_weight(const pbf_load_scales *s, const pbf_load_plane &p) {
-  const double near = 1 - fmax((double)p.distance, 0.0) / s->reach;
+  const double near = 1 - pbf_max((double)p.distance, 0) / s->reach;
   return (double)p.part * near * near;
 }
 

@@ -25,7 +25,7 @@ PBF_FN pbf_wide_sum pbf_wide_of(double units) {
   units = units > -limit ? units : -limit;
   units = units < limit ? units : limit;
   const int64_t whole = (int64_t)units, low = whole & 0xffffffff;
-  pbf_wide_sum sum = {(whole - low) / 0x100000000, low};
+  pbf_wide_sum sum = {whole >> 32, low};
   return sum;
 }
 

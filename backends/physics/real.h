@@ -39,6 +39,8 @@ PBF_FN pbf_real pbf_multiply_add(pbf_real a, pbf_real b, pbf_real c) { return a 
 #endif
 PBF_FN pbf_real pbf_real_max(pbf_real a, pbf_real b) { return a > b ? a : b; }
 PBF_FN pbf_real pbf_real_min(pbf_real a, pbf_real b) { return a < b ? a : b; }
+PBF_FN double pbf_max(double a, double b) { return a > b ? a : b; }
+PBF_FN double pbf_min(double a, double b) { return a < b ? a : b; }
 
 /* The last bit of a float32, by which its neighbour above is apart; 0 for a float64, whose own
  * nothing here needs. */

@@ -111,7 +111,7 @@ static inline void find_no_slip_loads(solver *s, const pbf_forces &forces, const
 static inline void find_grid_loads(solver *s, const pbf_load_scales &scales,
                                    const pbf_obstacles *o) {
   const pbf_pressure_grid *c = &s->pressure_grid.grid;
-  const grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
+  const pbf_grid_load_cubes cubes = grid_load_cubes_of(&scales, c);
   int i[PBF_DIM];
   for (uint32_t cell = 0; cell < c->nodes; ++cell) {
     pbf_pressure_grid_place(c, cell, i);

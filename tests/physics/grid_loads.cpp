@@ -45,7 +45,7 @@ static all_loads loads_of(double level, int count, const pbf_surface *surfaces) 
   s.spacing = spacing;
   s.mass = 1;
   s.time_step = 1;
-  const grid_load_cubes cubes = grid_load_cubes_of(&s, &c);
+  const pbf_grid_load_cubes cubes = grid_load_cubes_of(&s, &c);
   all_loads all = {{{0}}, {{0}}};
   const pbf_pressure_grid_topology whole = {};
   double *lambda = lambda_of_water(&c, level);

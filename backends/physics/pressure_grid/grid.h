@@ -41,9 +41,6 @@
 /* Nodes that are at least so many cells below the surface are not in the open. */
 #define PBF_PRESSURE_GRID_SURFACE 0.001
 
-PBF_FN double pbf_min(double a, double b) { return a < b ? a : b; }
-PBF_FN double pbf_max(double a, double b) { return a > b ? a : b; }
-
 enum { PBF_CORNERS = 1 << PBF_DIM };
 
 /* In units of the cells' width: lambda of its square, moves of itself. A cell has the index of its

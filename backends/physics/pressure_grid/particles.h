@@ -152,16 +152,15 @@ PBF_FN double pbf_pressure_grid_lambda(const pbf_pressure_grid *c,
   return c->width * c->width * pbf_min(pbf_pressure_grid_in_cell(values, at, PBF_DIM), 0);
 }
 
-/* And its slope: means over a cube around the place, so many cells wide, of which a part may be
- * above the surface. A sum over points would else have so many whole rows of them below it, and of
- * what fluid beside a solid weighs half a row too much or too little. */
-PBF_FN double pbf_pressure_grid_lambda_sloped(const pbf_pressure_grid *c,
-                                              const pbf_pressure_grid_topology *t,
-                                              const double *lambda, uint32_t compartment,
-                                              const double at[PBF_DIM], double cube,
-                                              double slope[PBF_DIM]) {
-  double values[PBF_CORNERS], slope2 = 0;
-  pbf_pressure_grid_corners(c, t, lambda, compartment, values);
+/* And its slope, from the values at the corners: means over a cube around the place, so many cells
+ * wide, of which a part may be above the surface. A sum over points would else have so many whole
+ * rows of them below it, and of what fluid beside a solid weighs half a row too much or too little.
+ */
+PBF_FN double pbf_pressure_grid_lambda_sloped_from(const pbf_pressure_grid *c,
+                                                   const double values[PBF_CORNERS],
+                                                   const double at[PBF_DIM], double cube,
+                                                   double slope[PBF_DIM]) {
+  double slope2 = 0;
   const double value = pbf_pressure_grid_in_cell(values, at, PBF_DIM);
   for (int k = 0; k < PBF_DIM; ++k) {
     slope[k] = pbf_pressure_grid_in_cell(values, at, k);
@@ -171,6 +170,16 @@ PBF_FN double pbf_pressure_grid_lambda_sloped(const pbf_pressure_grid *c,
   const double part = across > 0 ? pbf_max(pbf_min(0.5 - value / across, 1), 0) : 1;
   for (int k = 0; k < PBF_DIM; ++k) slope[k] *= c->width * part;
   return c->width * c->width * (part < 1 ? -0.5 * across * part * part : value);
+}
+
+PBF_FN double pbf_pressure_grid_lambda_sloped(const pbf_pressure_grid *c,
+                                              const pbf_pressure_grid_topology *t,
+                                              const double *lambda, uint32_t compartment,
+                                              const double at[PBF_DIM], double cube,
+                                              double slope[PBF_DIM]) {
+  double values[PBF_CORNERS];
+  pbf_pressure_grid_corners(c, t, lambda, compartment, values);
+  return pbf_pressure_grid_lambda_sloped_from(c, values, at, cube, slope);
 }
 
 #endif
