@@ -87,6 +87,16 @@ static int add_wall_lanes(const pbf_constants *c, const pbf_real distances[WIDTH
   return 1;
 }
 
+/* What those of an axis contribute; 0: none is near a particle. */
+PBF_FN int add_walls_of_axis(const pbf_constants *c, const pbf_domain *domain, int axis,
+                             const lane_values *x, lane_walls *walls) {
+  _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
+  for (uint32_t l = 0; l < WIDTH; ++l) below[l] = x->c[axis][l] - domain->lower.c[axis];
+  for (uint32_t l = 0; l < WIDTH; ++l) above[l] = domain->upper.c[axis] - x->c[axis][l];
+  const int near = add_wall_lanes(c, below, 1, walls);
+  return near | add_wall_lanes(c, above, -1, walls);
+}
+
 /* Takes the additive part out of what the walls of an axis contribute. */
 PBF_FN void keep_additive_part(const pbf_constants *c, lane_walls *walls, pbf_real additive[WIDTH],
                                pbf_real additive_slopes[WIDTH]) {
@@ -116,12 +126,8 @@ static __attribute__((noinline)) void boundary_of_domain(const pbf_constants *c,
   _Alignas(64) pbf_real overlapping[WIDTH] = {0}, additive[WIDTH] = {0};
   lane_values slopes = {{{0}}}, additive_slopes = {{{0}}};
   for (int k = 0; k < PBF_DIM; ++k) {
-    _Alignas(64) pbf_real below[WIDTH], above[WIDTH];
     lane_walls along = {{0}, {0}};
-    for (uint32_t l = 0; l < WIDTH; ++l) below[l] = x->c[k][l] - domain->lower.c[k];
-    for (uint32_t l = 0; l < WIDTH; ++l) above[l] = domain->upper.c[k] - x->c[k][l];
-    int near = add_wall_lanes(c, below, 1, &along);
-    near |= add_wall_lanes(c, above, -1, &along);
+    const int near = add_walls_of_axis(c, domain, k, x, &along);
     if (near) keep_additive_part(c, &along, additive, additive_slopes.c[k]);
     for (int j = 0; j < PBF_DIM && near; ++j)
       for (uint32_t l = 0; l < WIDTH; ++l)

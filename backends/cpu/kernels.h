@@ -155,9 +155,8 @@ struct shear_pass {
   pbf_real *rest[2]; /* … and of its components those that no vector has room for */
   field push;        /* and before that what walls push with; over masses, where these differ */
   field change;      /* of the velocity */
-  /* add_walls for particle i, and whether no colliders contribute: the same for all instruction
-   * sets. */
-  int (*add_walls)(const pair_pass *p, uint32_t i, pbf_fabric *fabric);
+  /* Whether no colliders contribute to particle i: the same for all instruction sets. */
+  int (*is_corrected)(const pair_pass *p, uint32_t i);
   const pbf_real *mobility, *mass; /* null: phases do not differ */
 };
 

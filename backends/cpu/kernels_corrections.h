@@ -18,31 +18,119 @@ PBF_FN fabric_sums<lane> fabric_of_group(const fabric_pass<int> &pass, const pai
   return sums_of_group(pass, p, {}, {}, g);
 }
 
-static void set_deviator(const shear_pass *s, uint32_t i, pbf_deviator d) {
-  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
-    (k < PBF_DIM ? s->deviator.c[k % PBF_DIM] : s->rest[k - PBF_DIM])[i] = d.c[k];
+namespace {
+
+/* pbf_fabric in each lane. */
+struct lane_fabric {
+  pbf_real density[WIDTH], moments[PBF_MOMENTS][WIDTH];
+  pbf_real wall[PBF_DIM][WIDTH];
+};
+
+struct lane_deviators {
+  pbf_real c[PBF_DEVIATOR_DIM][WIDTH];
+};
+
+}  // namespace
+
+PBF_FN void store_fabric(const fabric_sums<lane> &sums, lane_fabric *f) {
+  lane_store(f->density, sums.density);
+  for (int k = 0; k < PBF_MOMENTS; ++k) lane_store(f->moments[k], sums.moments[k]);
+  for (int k = 0; k < PBF_DIM; ++k) lane_store(f->wall[k], sums.wall.c[k]);
+}
+
+PBF_FN void set_vectors(const field *f, uint32_t i, const lane_values *a) {
+  for (int k = 0; k < PBF_DIM; ++k) lane_store(f->c[k] + i, lane_load(a->c[k]));
+}
+
+PBF_FN pbf_real *part_of_deviator(const shear_pass *s, int k) {
+  return k < PBF_DIM ? s->deviator.c[k % PBF_DIM] : s->rest[k - PBF_DIM];
+}
+
+/* add_walls in all lanes. */
+static __attribute__((noinline)) void add_walls_to_lanes(const pair_pass *p, const lane_values *x,
+                                                         lane_fabric *restrict f) {
+  const pbf_constants c = *p->constants;
+  const pbf_domain domain = p->contributing->domain;
+  lane_boundary boundary;
+  memset(&boundary, 0, sizeof boundary);
+  boundary_of_domain(p->constants, &p->contributing->domain, x, &boundary);
+  for (uint32_t l = 0; l < WIDTH; ++l) f->density[l] += boundary.density[l];
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) f->wall[k][l] += boundary.gradient.c[k][l];
+  for (int axis = 0; axis < PBF_DIM && !(domain.ghost_reach > 0); ++axis) {
+    lane_walls walls = {{0}, {0}};
+    if (!add_walls_of_axis(p->constants, &domain, axis, x, &walls)) continue;
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      pbf_real moments[PBF_MOMENTS];
+      for (int k = 0; k < PBF_MOMENTS; ++k) moments[k] = f->moments[k][l];
+      add_wall_rows(&c, walls.value[l], axis, moments);
+      for (int k = 0; k < PBF_MOMENTS; ++k) f->moments[k][l] = moments[k];
+    }
+  }
+}
+
+static __attribute__((noinline)) void finish_deviators(const pbf_constants *constants,
+                                                       const lane_fabric *f, const pbf_real *lambda,
+                                                       lane_deviators *restrict d) {
+  const pbf_constants c = *constants;
+  const fabric_pass<fixed<0>> pass = {&c, {}};
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_fabric one = {f->density[l], {}, {{0}}};
+    for (int k = 0; k < PBF_MOMENTS; ++k) one.moments[k] = f->moments[k][l];
+    const pbf_deviator found = pass.finish(one, lambda[l]);
+    for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d->c[k][l] = found.c[k];
+  }
+}
+
+/* Of the particles of a group that colliders contribute to, which may lie in any way. */
+static __attribute__((noinline)) void clear_deviators(const pair_pass *p, const shear_pass *s,
+                                                      uint32_t g, lane_deviators *d) {
+  for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
+    for (int k = 0; k < PBF_DEVIATOR_DIM && !s->is_corrected(p, g * WIDTH + l); ++k) d->c[k][l] = 0;
 }
 
 static void deviator(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const fabric_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6};
   for (uint32_t g = first; g < last; ++g) {
+    const uint32_t i = g * WIDTH;
     const int near = contributing_obstacles(p) && group_near_obstacles(p, g);
-    const lane_sums<fabric_sums> sums(fabric_of_group(pass, p, g));
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i) {
-      pbf_fabric one = fabric_of(sums[l]);
-      const pbf_deviator none = {{0}};
-      set_deviator(s, i, !near || s->add_walls(p, i, &one) ? pass.finish(one, s->lambda[i]) : none);
-      field_set(&s->push, i, one.wall);
+    alignas(64) lane_fabric fabric;
+    alignas(64) lane_deviators d;
+    store_fabric(fabric_of_group(pass, p, g), &fabric);
+    if (near) {
+      const lane_values x = values_of(load_vector(p->x, i));
+      add_walls_to_lanes(p, &x, &fabric);
     }
+    finish_deviators(p->constants, &fabric, s->lambda + i, &d);
+    if (near && pbf_surface_count(*p->contributing)) clear_deviators(p, s, g, &d);
+    for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
+      lane_store(part_of_deviator(s, k) + i, lane_load(d.c[k]));
+    for (int k = 0; k < PBF_DIM; ++k) lane_store(s->push.c[k] + i, lane_load(fabric.wall[k]));
   }
 }
 
 PBF_FN lane_deviator<lane> load_deviator(const shear_pass *s, uint32_t i) {
   lane_deviator<lane> d;
-  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
-    d.c[k] = lane_load((k < PBF_DIM ? s->deviator.c[k % PBF_DIM] : s->rest[k - PBF_DIM]) + i);
+  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] = lane_load(part_of_deviator(s, k) + i);
   return d;
+}
+
+static __attribute__((noinline)) void finish_pushes(const pbf_constants *constants,
+                                                    const lane_deviators *own,
+                                                    const lane_values *wall,
+                                                    lane_values *restrict push) {
+  const shear_push_pass<fixed<0>> pass = {constants, {}};
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    lane_deviator<pbf_real> d;
+    shear_push_pass<fixed<0>>::sums<pbf_real> sums;
+    pbf_vec by_wall;
+    for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] = own->c[k][l];
+    for (int k = 0; k < PBF_DIM; ++k) sums.push.c[k] = push->c[k][l];
+    for (int k = 0; k < PBF_DIM; ++k) by_wall.c[k] = wall->c[k][l];
+    const pbf_vec whole = pass.finish(sums, d, by_wall);
+    for (int k = 0; k < PBF_DIM; ++k) push->c[k][l] = whole.c[k];
+  }
 }
 
 static void shear_push(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
@@ -51,10 +139,12 @@ static void shear_push(const pair_pass *p, const shear_pass *s, uint32_t first, 
   const lookups of = {s->rest[0], &s->deviator, s->rest[1]};
   for (uint32_t g = first; g < last; ++g) {
     const lane_deviator<lane> own = load_deviator(s, g * WIDTH);
-    const lane_sums<shear_push_pass<int>::sums> sums(sums_of_group(pass, p, of, {own}, g));
-    const lane_sums<lane_deviator> each(own);
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&s->push, i, pass.finish(sums[l], each[l], field_at(&s->push, i)));
+    alignas(64) lane_deviators each;
+    lane_values push = values_of(sums_of_group(pass, p, of, {own}, g).push);
+    const lane_values wall = values_of(load_vector(s->push, g * WIDTH));
+    for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) lane_store(each.c[k], own.c[k]);
+    finish_pushes(p->constants, &each, &wall, &push);
+    set_vectors(&s->push, g * WIDTH, &push);
   }
 }
 
@@ -73,18 +163,36 @@ struct mobilities {
 
 }  // namespace
 
+/* From pushes. */
+static __attribute__((noinline)) void finish_changes(const pbf_constants *constants,
+                                                     const pbf_real *mobility,
+                                                     const lane_values *exchanged,
+                                                     lane_values *restrict change) {
+  const pbf_constants c = *constants;
+  const shear_stress_pass<fixed<0>> pass = {&c, {}, false};
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    shear_stress_pass<fixed<0>>::sums<pbf_real> sums;
+    pbf_vec push;
+    for (int k = 0; k < PBF_DIM; ++k) sums.exchanged.c[k] = exchanged->c[k][l];
+    for (int k = 0; k < PBF_DIM; ++k) push.c[k] = change->c[k][l];
+    push = pass.finish(sums, push, mobility ? mobility[l] : 1);
+    for (int k = 0; k < PBF_DIM; ++k) change->c[k][l] = push.c[k];
+  }
+}
+
 static void shear_stress(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
   const pbf_constants c = *p->constants;
   const shear_stress_pass<int> pass = {&c, hot_features(p) & PBF_FEATURE_POLY6,
                                        s->mobility != NULL};
   const pbf_real *mass = s->mobility ? s->mass : s->push.c[0]; /* which are not looked at */
-  const mobilities mobility(s->mobility);
   for (uint32_t g = first; g < last; ++g) {
-    const lane_sums<shear_stress_pass<int>::sums> sums(
-        sums_of_group(pass, p, {mass, &s->push},
-                      {load_vector(s->push, g * WIDTH), lane_load(mass + g * WIDTH)}, g));
-    for (uint32_t l = 0, i = g * WIDTH; l < lanes_in_group(&p->lists, g); ++l, ++i)
-      field_set(&s->change, i, pass.finish(sums[l], field_at(&s->push, i), mobility[i]));
+    const uint32_t i = g * WIDTH;
+    const lane_vector<lane> own = load_vector(s->push, i);
+    const lane_values exchanged = values_of(
+        sums_of_group(pass, p, {mass, &s->push}, {own, lane_load(mass + i)}, g).exchanged);
+    lane_values change = values_of(own);
+    finish_changes(p->constants, s->mobility ? s->mobility + i : NULL, &exchanged, &change);
+    set_vectors(&s->change, i, &change);
   }
 }
 

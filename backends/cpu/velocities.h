@@ -9,9 +9,8 @@
 #include "physics/passes/surface_tension.h"
 #include "physics/passes/viscosity.h"
 
-static int add_walls_at(const pair_pass *p, uint32_t i, pbf_fabric *fabric) {
+static int is_corrected(const pair_pass *p, uint32_t i) {
   const pbf_vec x = field_at(&p->x, i);
-  add_walls(p->constants, p->contributing->domain, x, fabric);
   return !colliders_contribute(p->constants,
                                pbf_obstacles_near(*p->contributing, x, p->constants->h), x);
 }
@@ -27,7 +26,7 @@ static void shear_awake(const worker *w, uint32_t task,
                             {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
                             w->b.shear_push(),
                             w->b.shear_velocity(),
-                            add_walls_at,
+                            is_corrected,
                             w->s->mobility,
                             w->s->mobility_around};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;

@@ -38,6 +38,7 @@ typedef struct pbf_fabric {
 
 /* Of xx, yy and zz among the moments. */
 PBF_FN int pbf_diagonal_entry(int k) { return k * (k + 3) / 2; }
+PBF_FN bool pbf_is_diagonal(int entry) { return entry == 0 || entry == 2 || entry == 5; }
 
 namespace {
 
@@ -131,14 +132,15 @@ struct fabric_pass {
     pbf_real mean = 0, size2 = 0;
     for (int k = 0; k < PBF_DIM; ++k) mean += s.moments[pbf_diagonal_entry(k)] / PBF_DIM;
     pbf_real inside = pbf_real_min(pbf_real_max((s.density - none) / (full - none), 0), 1);
-    if (!(inside > 0 && mean > 0)) return d;
-    for (int k = 0, entry = 0; k < PBF_DIM; ++k)
-      for (int m = 0; m <= k; ++m, ++entry) {
-        const pbf_real part = (k == m) - s.moments[entry] / mean;
-        if (entry < PBF_DEVIATOR_DIM) d.c[entry] = part;
-        size2 += (k == m ? 1 : 2) * part * part;
-      }
-    if (size2 > maximum * maximum) inside *= maximum / pbf_real_sqrt(size2);
+    inside = mean > 0 ? inside : 0; /* no branch: lanes are finished together */
+    mean = mean > 0 ? mean : 1;
+    pbf_unrolled<PBF_MOMENTS>([&](int entry) {
+      const bool is_diagonal = pbf_is_diagonal(entry);
+      const pbf_real part = is_diagonal - s.moments[entry] / mean;
+      if (entry < PBF_DEVIATOR_DIM) d.c[entry] = part;
+      size2 += (is_diagonal ? 1 : 2) * part * part;
+    });
+    inside *= size2 > maximum * maximum ? maximum / pbf_real_sqrt(size2) : 1;
     const pbf_real most = c->shear_stress_max_lambda * (pbf_real)c->phases.heaviest;
     lambda = pbf_real_max(pbf_real_min(lambda, most), -most);
     for (int k = 0; k < PBF_DEVIATOR_DIM; ++k) d.c[k] *= inside * lambda;
@@ -146,18 +148,24 @@ struct fabric_pass {
   }
 };
 
-/* What the walls of the domain contribute to the sums of a particle at x: the rows of a lattice
- * behind each of them, by what it contributes to the density. */
+/* The rows of a lattice behind the walls across an axis, by what these contribute to the density.
+ */
+PBF_FN void add_wall_rows(const pbf_constants *c, pbf_real value, int axis,
+                          pbf_real moments[PBF_MOMENTS]) {
+  const pbf_real layers = pbf_real_min(value * c->inv_boundary_rest_density, 2);
+  for (int k = 0; k < PBF_DIM; ++k)
+    moments[pbf_diagonal_entry(k)] +=
+        layers * (k == axis ? c->wall_fabric_across : c->wall_fabric_along);
+}
+
+/* What the walls of the domain contribute to the sums of a particle at x. */
 PBF_FN void add_walls(const pbf_constants *c, const pbf_domain &domain, pbf_vec x, pbf_fabric *s) {
   const pbf_boundary walls = pbf_boundary_of_domain(c, &domain, x);
   pbf_add_boundary(&walls, &s->density, &s->wall);
   for (int axis = 0; axis < PBF_DIM && !(domain.ghost_reach > 0); ++axis) {
     pbf_real slope, value = pbf_wall_density(c, pbf_wall_distance(&domain, 2 * axis, x), &slope);
     value += pbf_wall_density(c, pbf_wall_distance(&domain, 2 * axis + 1, x), &slope);
-    const pbf_real layers = pbf_real_min(value * c->inv_boundary_rest_density, 2);
-    for (int k = 0; k < PBF_DIM; ++k)
-      s->moments[pbf_diagonal_entry(k)] +=
-          layers * (k == axis ? c->wall_fabric_across : c->wall_fabric_along);
+    add_wall_rows(c, value, axis, s->moments);
   }
 }
 
