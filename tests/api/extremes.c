@@ -197,6 +197,43 @@ static void speeds_at_the_edges(void **state) {
   test_for_each_kind(fast_particles);
 }
 
+/* A container as far off along a periodic axis as numbers go: no wall ends what it pushes there. */
+static void far_containers(uint32_t dimension, uint32_t precision) {
+  pbf_desc desc = test_desc(dimension, precision, 12);
+  pbf_params params = test_params();
+  pbf_collider ball;
+  pbf_stats stats = {.struct_size = sizeof stats};
+  desc.threads = 1;
+  params.periodic = PBF_PERIODIC_X;
+  params.collide = PBF_COLLIDE_AFTER_SOLVE;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  ball.inverted = 1;
+  ball.radius = 0.07;
+  ball.position[0] = precision == PBF_FLOAT32 ? -3.4e38 : -1e150;
+  pbf_solver *s = test_create(&desc, &params);
+  void *lattice = test_lattice(dimension, precision, 12);
+  assert_ok(pbf_add_particles(s, 12, lattice, NULL, NULL));
+  free(lattice);
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  for (int k = 0; k < 3; ++k) {
+    assert_ok(pbf_step(s, 1));
+    assert_ok(pbf_get_stats(s, &stats));
+    assert_true(isfinite(stats.speed_max) && isfinite(stats.kinetic_energy));
+  }
+  uint64_t size = 0;
+  assert_ok(pbf_save(s, NULL, &size));
+  void *saved = malloc(size);
+  assert_ok(pbf_save(s, saved, &size));
+  assert_ok(pbf_load(s, saved, size)); /* which refuses what is not finite */
+  free(saved);
+  pbf_destroy(s);
+}
+
+static void containers_far_away(void **state) {
+  (void)state;
+  for_two_kinds(far_containers);
+}
+
 static void tiny_distances(void **state) {
   (void)state;
   test_for_each_kind(tiny_in_particles);
@@ -313,10 +350,15 @@ static void viscous_crowds(void **state) {
 
 int main(void) {
   const struct CMUnitTest extremes[] = {
-      cmocka_unit_test(parameters_at_the_edges), cmocka_unit_test(colliders_at_the_edges),
-      cmocka_unit_test(tiny_distances),          cmocka_unit_test(speeds_at_the_edges),
-      cmocka_unit_test(artificial_pressure),     cmocka_unit_test(viscosity),
-      cmocka_unit_test(most_viscosity),          cmocka_unit_test(vorticity),
+      cmocka_unit_test(parameters_at_the_edges),
+      cmocka_unit_test(colliders_at_the_edges),
+      cmocka_unit_test(containers_far_away),
+      cmocka_unit_test(tiny_distances),
+      cmocka_unit_test(speeds_at_the_edges),
+      cmocka_unit_test(artificial_pressure),
+      cmocka_unit_test(viscosity),
+      cmocka_unit_test(most_viscosity),
+      cmocka_unit_test(vorticity),
       cmocka_unit_test(viscous_crowds),
   };
   return TEST_RUN(extremes);
