@@ -62,7 +62,7 @@ struct near_surfaces {
   }
 };
 
-static void add_sums_to_shared(const worker *w, int solid, const pbf_load_sums *from) {
+static inline void add_sums_to_shared(const worker *w, int solid, const pbf_load_sums *from) {
   pbf_load_sums *to = &w->s->load_tally->sums[solid];
   for (int k = 0; k < PBF_LOAD_SUMS; ++k) add_to_shared(&to->of[k], from->of[k]);
   __atomic_fetch_add(&to->contacts, from->contacts, __ATOMIC_RELAXED);
