@@ -220,8 +220,14 @@ static int is_left(pbf_solver *s, int call, int nth) {
   return 0;
 }
 
+/* Of backends of the library: the stub keeps what it has in no order. */
+static void skip_stub(void) {
+  if (test_is_stub()) test_skip("the stub promises nothing of calls that are left");
+}
+
 static void all_goes_back_once(void **unused) {
   (void)unused;
+  skip_stub();
   volatile int left = 0;
   for (volatile int call = 0; call < CALLS; ++call)
     for (volatile int nth = 1, goes_on = 1; goes_on && nth < MOST_CALLBACKS; ++nth) {
@@ -303,6 +309,7 @@ static int is_forked_away(int call, int nth) {
 
 static void a_child_gives_back_once(void **unused) {
   (void)unused;
+  skip_stub();
   if (TEST_INSTRUMENTED) test_skip("forks beside threads hang in the sanitizer's own locks");
   if (strcmp(test_backend(), "cuda") == 0) test_skip("a device is the parent's");
   int forks = 0;

@@ -32,6 +32,8 @@ __attribute__((noreturn)) void test_fail(const char *file, int line);
   { #f, f, NULL, NULL, NULL }
 #define cmocka_unit_test_teardown(f, teardown) \
   { #f, f, NULL, teardown, NULL }
+#define cmocka_unit_test_setup_teardown(f, setup, teardown) \
+  { #f, f, setup, teardown, NULL }
 #define cmocka_run_group_tests(tests, setup, teardown) \
   _cmocka_run_group_tests(#tests, tests, sizeof(tests) / sizeof(tests)[0], setup, teardown)
 int _cmocka_run_group_tests(const char *name, const struct CMUnitTest *tests, size_t count,
