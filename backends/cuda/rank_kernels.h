@@ -27,8 +27,8 @@ struct rank_place {
 
 /* ---- Meeting ------------------------------------------------------------------------------- */
 
-/* Whose memory this device does not reach: hosts wait for it, and do not launch what takes before
- * it has come. */
+/* Whether this device does not reach the memory of rank r: hosts wait for what that one gives, and
+ * launch what takes it once it has come. */
 static __device__ __forceinline__ bool is_staged(const rank_place &p, uint32_t r) {
   return p.control->staged >> r & 1;
 }

@@ -1,4 +1,4 @@
-/* Part of rank_link.h: ranks whose devices do not reach each other's memory, as on two hosts. Each
+/* Part of rank_link.h: ranks that do not reach each other's memory, as devices of two hosts. Each
  * device writes into a mirror of the other's room, in its host's memory, and between the two
  * launches of a kernel by which ranks meet (hold.h) hosts exchange what has changed there by the
  * functions of pbf/ranks.h. So kernels are the same for ranks that are staged and those that are

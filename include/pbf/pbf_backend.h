@@ -252,7 +252,7 @@ typedef struct pbf_backend_ranks_tell {
   pbf_status (*any)(pbf_backend_solver *solver, uint32_t mine, uint32_t *any);
   void (*note)(pbf_backend_solver *solver, uint64_t settings); /* or missing: struct_size */
   /* Of the particles of this rank's share, in any order, how many there are and, unless it is null,
-   * their ids; and positions or velocities of some of them, whose ids are rows->ids. They ask no
+   * their ids; and positions or velocities of some of them, by their ids, rows->ids. They ask no
    * other rank. Both or neither: struct_size */
   pbf_status (*own_ids)(pbf_backend_solver *solver, uint32_t *count, uint32_t *ids);
   pbf_status (*read_own)(pbf_backend_solver *solver, uint32_t field, const pbf_rows *rows,
