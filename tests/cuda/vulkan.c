@@ -242,10 +242,7 @@ static void a_buffer_of_vulkan_is_written(void **state) {
   (void)state;
   gpu g;
   cuda_primary_context();
-  if (!open_gpu(&g)) {
-    print_message("skipped: Vulkan does not have the device that CUDA calls 0\n");
-    skip();
-  }
+  if (!open_gpu(&g)) test_skip("Vulkan does not have the device that CUDA calls 0");
   cuda_stream stream = cuda_create_stream();
   pbf_solver *solver = scene(stream);
   draw(&g, solver, stream);
