@@ -46,7 +46,8 @@ struct move_end {
 
 /* Blocks that a multiprocessor is to hold. Told so, the compiler takes the registers for it, and
  * lets several loads of a thread be under way at once. */
-constexpr int PBF_BLOCKS_AT_ONCE = sizeof(pbf_real) == sizeof(float) ? 5 : 4;
+constexpr int PBF_BLOCKS_AT_ONCE =
+    resident_blocks(sizeof(pbf_real) == sizeof(float) ? 5 : 4, PBF_BLOCK);
 
 /* ALL: for periodic axes and phases, too, which few scenes have. ALL and SLEEP are EXTRAS, too. */
 template <int FEATURES, bool EXTRAS, bool ALL, bool SLEEP>

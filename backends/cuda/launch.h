@@ -8,6 +8,18 @@
 
 enum { PBF_BLOCK = 256 };
 
+/* Threads that a multiprocessor holds, at least; of compute capability 7.5 it holds fewer. */
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ == 750
+enum { RESIDENT_THREADS = 1024 };
+#else
+enum { RESIDENT_THREADS = 1536 };
+#endif
+
+/* Blocks that a multiprocessor is to hold at once, as far as it can. */
+constexpr int resident_blocks(int wanted, int threads) {
+  return wanted * threads <= RESIDENT_THREADS ? wanted : RESIDENT_THREADS / threads;
+}
+
 static inline uint32_t blocks_for(uint32_t count) { return (count + PBF_BLOCK - 1) / PBF_BLOCK; }
 
 /* The first thing that a kernel asks: it may have been launched early (solver.h). */

@@ -10,9 +10,11 @@
 
 enum {
   SEARCH_BLOCK = 128, /* threads */
-  SEARCH_BLOCKS = 10, /* on a multiprocessor: fewer registers than the compiler would take */
   SEARCH_WINDOW = 32  /* candidates, a bit each */
 };
+
+/* On a multiprocessor: fewer registers than the compiler would take. */
+constexpr int SEARCH_BLOCKS = resident_blocks(10, SEARCH_BLOCK);
 
 /* Shifts in from the right whether a number is negative. */
 static __device__ __forceinline__ uint32_t shift_in_sign(uint32_t bits, float of) {
