@@ -4,6 +4,7 @@
  *   gpu_check verify [SCENE|PART] distance to the float64 reference, every kind of scene; PART is
  *                                 2d-f32, 2d-f64, 3d-f32, 3d-f64 or large
  *   gpu_check same                the same bits in two runs, and after saving and loading
+ *   gpu_check random FIRST COUNT  scenes drawn from these seeds, held against the reference
  *   gpu_check exercise            every call and stage once, small, for compute-sanitizer
  *   gpu_check time SCENE N [H/D [EXTRA]]
  *                                 report-30k or shallow-dam-break: time, error, plan, stages
@@ -24,7 +25,7 @@
 
 static int usage(void) {
   fprintf(stderr,
-          "usage: gpu_check verify [SCENE | PART] | same | exercise | time SCENE N [H/D [f64 | "
+          "usage: gpu_check verify [SCENE | PART] | same | random FIRST COUNT | exercise | time SCENE N [H/D [f64 | "
           "optional parameter | periodic | emitter | drain | reservoir | flow]] | solids N COUNT "
           "box|hull|mesh [move]\n");
   return 2;
@@ -58,6 +59,8 @@ int main(int argc, char **argv) {
     failures = verify_all(argc > 2 ? argv[2] : NULL);
   } else if (strcmp(command, "same") == 0) {
     failures = same_all();
+  } else if (strcmp(command, "random") == 0 && argc > 3) {
+    failures = random_all(strtoull(argv[2], NULL, 10), strtoull(argv[3], NULL, 10));
   } else if (strcmp(command, "exercise") == 0) {
     exercise_all();
   } else if (strcmp(command, "time") == 0 && argc > 3) {

@@ -1,9 +1,16 @@
 #include "twins.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-static const char *const names[TWINS] = {"reference", "serial"};
+/* The oracle, and what is held against it where no tasks are: `serial`, or on machines that have
+ * one a device. */
+static const char *name_of(int twin) {
+  const char *asked = getenv("PBF_TEST_BACKEND");
+  if (twin == 0) return "reference";
+  return asked && *asked ? asked : "serial";
+}
 
 void *twins_enqueue(void *user, pbf_task_fn run, void *task, uint32_t items, uint32_t min_range) {
   (void)user;
@@ -25,7 +32,7 @@ static pbf_solver *make_other(kind k, int tasked, uint32_t determinism) {
   desc.dimension = k.dimension;
   desc.precision = k.precision;
   desc.capacity = TWIN_CAPACITY;
-  desc.backend = tasked ? "threads" : names[1];
+  desc.backend = tasked ? "threads" : name_of(1);
   desc.strict = 1;
   desc.threads = tasked ? 3 : 1;
   desc.enqueue_task = tasked ? twins_enqueue : NULL;
@@ -37,7 +44,7 @@ static pbf_solver *make_other(kind k, int tasked, uint32_t determinism) {
 
 twins twins_make(kind k, int tasked, uint32_t determinism) {
   twins t = {.k = k};
-  t.solver[0] = make_solver(names[0], k, TWIN_CAPACITY);
+  t.solver[0] = make_solver(name_of(0), k, TWIN_CAPACITY);
   t.solver[1] = make_other(k, tasked && FUZZ_THREADS, determinism);
   return t;
 }
@@ -99,7 +106,7 @@ pbf_status twins_call(twins *t, twin_call call, void *context) {
   }
   if (status[0] != status[1] || (status[0] != PBF_OK && strcmp(sentence[0], sentence[1]) != 0)) {
     for (int i = 0; i < TWINS; ++i)
-      fprintf(stderr, "%s: status %d, last sentence: %s\n", names[i], (int)status[i], sentence[i]);
+      fprintf(stderr, "%s: status %d, last sentence: %s\n", name_of(i), (int)status[i], sentence[i]);
     insist(!"one status and one sentence");
   }
   books a = books_of(t->solver[0]), b = books_of(t->solver[1]);
@@ -185,7 +192,7 @@ static pbf_params params_of(const twins *t) {
  * do depends on the last digit, and no distance to them can be stated but by this measure. Null
  * when a displaced particle would be outside the domain. */
 static pbf_solver *shaken_oracle(const twins *t) {
-  pbf_solver *s = make_solver(names[0], t->k, TWIN_CAPACITY);
+  pbf_solver *s = make_solver(name_of(0), t->k, TWIN_CAPACITY);
   particles p;
   int ready = load_from(s, t->solver[0]);
   get_particles(s, &p);
