@@ -29,7 +29,7 @@ if [ -z "${PBF_BUILD_DIR:-}" ]; then
   }
   targets='pbf pbf_backend_reference pbf_backend_cuda'
   if configure ON; then
-    targets="$targets test_cuda_plugin test_cuda_device test_cuda_caller test_cuda_rows test_cuda_lost"
+    targets="$targets test_cuda_plugin test_cuda_device test_cuda_caller test_cuda_rows test_cuda_lost test_cuda_forked"
     cmake --build "$build" --target help | grep -q test_cuda_vulkan && targets="$targets test_cuda_vulkan"
   else
     configure OFF || { tail -n 30 "$out/build.log"; exit 1; }
@@ -92,7 +92,7 @@ if [ -z "$quick" ]; then
   timed shallow-dam-break 1000000 2 f64
 fi
 export PBF_TEST_BACKEND=cuda # of the tests
-for test in plugin device caller rows lost vulkan; do
+for test in plugin device caller rows lost forked vulkan; do
   program=$build/bin/test_cuda_$test
   if [ -x "$program" ]; then
     run "test-$test.txt" "$program"

@@ -2,7 +2,9 @@
 #include <stdio.h>
 
 #include "cuda/architectures.h"
+#include "cuda/driver_function.h"
 #include "cuda/plugin.h"
+#include "cuda/status.h"
 
 namespace {
 
@@ -14,6 +16,15 @@ void say_no_driver(pbf_probe_result *result) {
     snprintf(result->reason, sizeof result->reason,
              "the NVIDIA driver serves CUDA %d.%d; this build wants %d.%d or newer", version / 1000,
              version % 1000 / 10, CUDART_VERSION / 1000, 0);
+}
+
+/* The runtime remembers its devices over a fork, while the driver serves none of them. What asks
+ * the driver has to be found before. */
+bool is_after_fork() {
+  enum { NOT_INITIALIZED = 3 };
+  typedef int (*init_fn)(unsigned);
+  static const init_fn init = pbf_cuda_driver_function<init_fn>("cuInit");
+  return init && init(0) == NOT_INITIALIZED;
 }
 
 /* Millions of particle-iterations a second: a step's latency, then the pair loop's rate. Measured
@@ -42,6 +53,10 @@ void pbf_cuda_probe(const pbf_workload *workload, pbf_probe_result *result) {
   if (error != cudaSuccess) {
     snprintf(result->reason, sizeof result->reason, "cudaGetDeviceCount failed: %s",
              cudaGetErrorString(error));
+    return;
+  }
+  if (is_after_fork()) {
+    snprintf(result->reason, sizeof result->reason, "%s", PBF_CUDA_AFTER_FORK);
     return;
   }
   if (workload->device < 0 || workload->device >= count) {

@@ -5,15 +5,16 @@
 pbf_status pbf_cuda_check(cudaError_t error, const char *call) {
   if (error == cudaSuccess) return PBF_OK;
   cudaGetLastError(); /* so that the next call does not report this failure again */
-  char sentence[256];
+  char sentence[384];
   if (error == cudaErrorMemoryAllocation) {
     snprintf(sentence, sizeof sentence,
              "%s found no device memory; a smaller capacity or another device would do", call);
     pbf_cuda_host->set_error(sentence);
     return PBF_ERROR_OUT_OF_MEMORY;
   }
-  snprintf(sentence, sizeof sentence, "%s failed with %s: %s", call, cudaGetErrorName(error),
-           cudaGetErrorString(error));
+  snprintf(sentence, sizeof sentence, "%s failed with %s: %s%s", call, cudaGetErrorName(error),
+           cudaGetErrorString(error),
+           error == cudaErrorInitializationError ? "; " PBF_CUDA_AFTER_FORK : "");
   pbf_cuda_host->set_error(sentence);
   return PBF_ERROR_DEVICE;
 }

@@ -4,6 +4,11 @@
 
 #include "cuda/plugin.h"
 
+/* What ails a process whose parent had begun with CUDA before it forked. */
+#define PBF_CUDA_AFTER_FORK                                                                \
+  "CUDA works in no process that was forked off after it had begun: start such a process " \
+  "anew (exec; Python's \"spawn\")"
+
 /* PBF_OK, or the status for `error` with a sentence that names `call`. */
 pbf_status pbf_cuda_check(cudaError_t error, const char *call);
 

@@ -15,7 +15,8 @@ int same_all(void);
 /* Every call and stage once, small. */
 void exercise_all(void);
 
-/* Scenes drawn from these seeds, held against the reference: returns how many came out otherwise. */
+/* Scenes drawn from these seeds, held against the reference: returns how many came out otherwise.
+ */
 int random_all(uint64_t first, uint64_t count);
 
 /* `steps` steps after `lead_in`, five times. */

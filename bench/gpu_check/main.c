@@ -25,7 +25,8 @@
 
 static int usage(void) {
   fprintf(stderr,
-          "usage: gpu_check verify [SCENE | PART] | same | random FIRST COUNT | exercise | time SCENE N [H/D [f64 | "
+          "usage: gpu_check verify [SCENE | PART] | same | random FIRST COUNT | exercise | time "
+          "SCENE N [H/D [f64 | "
           "optional parameter | periodic | emitter | drain | reservoir | flow]] | solids N COUNT "
           "box|hull|mesh [move]\n");
   return 2;

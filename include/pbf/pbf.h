@@ -61,7 +61,9 @@
  *             allows that (pthread_setcancelstate).
  *   fork      in the child solvers go on from where they are, on `openmp` with one thread: those of
  *             OpenMP do not come along. One in which another thread was returns PBF_ERROR_STATE
- *             and can be destroyed. A device is the parent's.
+ *             and can be destroyed. A device is the parent's: in the child solvers on it return
+ *             PBF_ERROR_DEVICE, can be destroyed, and new ones get PBF_ERROR_UNAVAILABLE, or a
+ *             backend of the CPU where desc.strict is 0.
  *   rounding  every call computes with rounding to nearest, subnormal numbers and exceptions
  *             masked, whatever the calling thread has set, and gives that back as it was, flags
  *             included. Callbacks run in between; what they set of it ends with them.

@@ -88,7 +88,8 @@ static pbf_status make_twin(actor *a, subject *s, int twin, pbf_desc desc) {
           (long long)s->heap[twin]->blocks);
   if (injected) count_fault(FAULT_MEMORY);
   const int limited = a->with->limit_addresses || a->with->limit_threads;
-  if (status != PBF_ERROR_UNAVAILABLE &&
+  /* A driver that has no thread or memory for a context says that the device is busy. */
+  if (status != PBF_ERROR_UNAVAILABLE && !(status == PBF_ERROR_DEVICE && limited) &&
       !(status == PBF_ERROR_OUT_OF_MEMORY && (injected || limited)))
     found(a->number, "pbf_create: %s: %s", pbf_status_string(status), pbf_last_error());
   return status;
