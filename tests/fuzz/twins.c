@@ -106,7 +106,8 @@ pbf_status twins_call(twins *t, twin_call call, void *context) {
   }
   if (status[0] != status[1] || (status[0] != PBF_OK && strcmp(sentence[0], sentence[1]) != 0)) {
     for (int i = 0; i < TWINS; ++i)
-      fprintf(stderr, "%s: status %d, last sentence: %s\n", name_of(i), (int)status[i], sentence[i]);
+      fprintf(stderr, "%s: status %d, last sentence: %s\n", name_of(i), (int)status[i],
+              sentence[i]);
     insist(!"one status and one sentence");
   }
   books a = books_of(t->solver[0]), b = books_of(t->solver[1]);
