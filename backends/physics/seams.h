@@ -12,9 +12,6 @@
 #include "physics/facets.h"
 #include "physics/near_faces.h"
 
-/* Not on GPUs so far, where it has not been run: docs/notes/walls.md. */
-enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
-
 PBF_FN_NOINLINE pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   return pbf_nearest_distance(s, y, (pbf_real)INFINITY, normal);
 }
@@ -124,26 +121,26 @@ PBF_FN_NOINLINE pbf_real pbf_part_going_on(const pbf_seam *seam, pbf_real facing
 
 /* The part of a plane that the other surface leaves, if that is within reach of x; *plane becomes
  * the one that both have. */
-PBF_FN_NOINLINE pbf_real pbf_part_beside(pbf_seam seam, pbf_vec x, pbf_real reach,
+PBF_FN_NOINLINE pbf_real pbf_part_beside(pbf_seam *seam, pbf_vec x, pbf_real reach,
                                          const pbf_facet *seen, pbf_facet *plane) {
-  if (!pbf_place_seam(&seam, x, reach, seen)) return 1;
-  seam.distance = pbf_look_at_surface(seam.of, seam.before, &seam.normal);
-  seam.other_distance = pbf_look_at_surface(seam.other, seam.before, &seam.other_normal);
-  const pbf_real facing = pbf_dot(seam.normal, seam.other_normal);
-  if (!(facing > (pbf_real)-0.3)) return pbf_part_out_of_other(&seam, seen);
-  if (seam.other_distance > (pbf_real)1.25 * seam.distance) return 1;
-  const pbf_real rise = seam.other_distance - facing * seam.distance;
+  if (!pbf_place_seam(seam, x, reach, seen)) return 1;
+  seam->distance = pbf_look_at_surface(seam->of, seam->before, &seam->normal);
+  seam->other_distance = pbf_look_at_surface(seam->other, seam->before, &seam->other_normal);
+  const pbf_real facing = pbf_dot(seam->normal, seam->other_normal);
+  if (!(facing > (pbf_real)-0.3)) return pbf_part_out_of_other(seam, seen);
+  if (seam->other_distance > (pbf_real)1.25 * seam->distance) return 1;
+  const pbf_real rise = seam->other_distance - facing * seam->distance;
   pbf_facet common;
-  if (facing > (pbf_real)0.7 && rise < seam.cell / 2 && rise > -seam.cell / 2 &&
-      pbf_find_common_plane(&seam, x, &common)) {
+  if (facing > (pbf_real)0.7 && rise < seam->cell / 2 && rise > -seam->cell / 2 &&
+      pbf_find_common_plane(seam, x, &common)) {
     if (common.distance < plane->distance) *plane = common;
-    return pbf_is_other_before(&seam, x) ? 0 : 1;
+    return pbf_is_other_before(seam, x) ? 0 : 1;
   }
-  const pbf_real flush = pbf_clamped((pbf_real)1.25 - 2 * rise / seam.cell);
+  const pbf_real flush = pbf_clamped((pbf_real)1.25 - 2 * rise / seam->cell);
   const pbf_real nearer =
-      pbf_clamped(10 * (1 - seam.other_distance / seam.distance) - (pbf_real)0.5);
+      pbf_clamped(10 * (1 - seam->other_distance / seam->distance) - (pbf_real)0.5);
   if (!(flush * nearer > 0)) return 1;
-  const pbf_real going_on = facing < (pbf_real)0.8 ? pbf_part_going_on(&seam, facing) : 0;
+  const pbf_real going_on = facing < (pbf_real)0.8 ? pbf_part_going_on(seam, facing) : 0;
   return pbf_real_max(1 - flush * nearer, going_on);
 }
 
@@ -160,26 +157,22 @@ PBF_FN_NOINLINE void pbf_look_beside(pbf_beside *b, const pbf_surface *other, in
   b->seam.other = other, b->seam.other_number = number;
   b->seam.cell = pbf_real_max(b->cell, pbf_cell_of(other));
   if (!pbf_may_be_beside(&b->seam, b->x, &b->seen)) return;
-  b->part = pbf_real_min(b->part, pbf_part_beside(b->seam, b->x, b->reach, &b->seen, &b->plane));
+  b->part = pbf_real_min(b->part, pbf_part_beside(&b->seam, b->x, b->reach, &b->seen, &b->plane));
 }
 
 /* The part that all others leave of a plane; each(visit) calls visit(surface, number) for all. */
 template <class Each>
 PBF_FN pbf_real pbf_part_beside_others(const pbf_surface *of, int number, pbf_vec x, pbf_real reach,
                                        Each each, pbf_facet *plane) {
-  if constexpr (PBF_FINDS_SEAMS) {
-    pbf_beside b;
-    b.seam.of = of, b.seam.number = number;
-    b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
-    b.seen = b.plane = *plane;
-    each([&](const auto &other, int k) {
-      if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
-    });
-    *plane = b.plane;
-    return b.part;
-  } else {
-    return 1;
-  }
+  pbf_beside b;
+  b.seam.of = of, b.seam.number = number;
+  b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
+  b.seen = b.plane = *plane;
+  each([&](const auto &other, int k) {
+    if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
+  });
+  *plane = b.plane;
+  return b.part;
 }
 
 /* ---- Planes of all fields ------------------------------------------------------------------- */
@@ -198,7 +191,7 @@ typedef struct pbf_field_planes {
   pbf_field_plane of[PBF_FIELD_PLANES];
 } pbf_field_planes;
 
-PBF_FN_NOINLINE void pbf_put_field_plane(pbf_near_face face, pbf_real part,
+PBF_FN_NOINLINE void pbf_put_field_plane(const pbf_near_face *face, pbf_real part,
                                          pbf_field_planes *planes) {
   if (!(part > 0)) return;
   int at = planes->count;
@@ -208,9 +201,9 @@ PBF_FN_NOINLINE void pbf_put_field_plane(pbf_near_face face, pbf_real part,
     at = 0;
     for (int k = 1; k < PBF_FIELD_PLANES; ++k)
       if (planes->of[k].face.distance > planes->of[at].face.distance) at = k;
-    if (!(face.distance < planes->of[at].face.distance)) return;
+    if (!(face->distance < planes->of[at].face.distance)) return;
   }
-  planes->of[at] = {face, part};
+  planes->of[at] = {*face, part};
 }
 
 /* Whether it faces about as another plane does that is some way nearer: inside of solids that lie
