@@ -16,6 +16,16 @@ static inline void pbf_collider_set_add(pbf_collider_set *set, uint32_t k) {
   *word |= UINT64_C(1) << k % 64;
 }
 
+static inline void pbf_collider_set_remove(pbf_collider_set *set, uint32_t k) {
+  uint64_t *word = k < 64 ? &set->first : &set->more[k / 64 - 1];
+  *word &= ~(UINT64_C(1) << k % 64);
+}
+
+static inline int pbf_collider_set_has(const pbf_collider_set *set, uint32_t k) {
+  const uint64_t word = k < 64 ? set->first : set->more[k / 64 - 1];
+  return (int)(word >> k % 64 & 1);
+}
+
 static inline int pbf_collider_set_is_empty(const pbf_collider_set *set) {
   uint64_t any = set->first;
   for (uint32_t w = 0; w < set->words; ++w) any |= set->more[w];

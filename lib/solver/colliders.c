@@ -8,15 +8,14 @@
 
 #include "backend_call.h"
 #include "collider.h"
+#include "collider_places.h"
 #include "error.h"
 #include "handles.h"
 #include "memory.h"
 #include "overlap.h"
 #include "physics/depenetration.h"
-#include "physics/elementary.h"
 #include "physics/motion.h"
 #include "prestabilize.h"
-#include "shape/growth.h"
 #include "solver_time.h"
 #include "structs.h"
 
@@ -103,48 +102,6 @@ pbf_status pbf_colliders_to_backend(pbf_solver *solver, uint32_t count, pbf_coll
   return pbf_backend_result(solver, status, "set_colliders");
 }
 
-/* ---- Paths ---------------------------------------------------------------------------------- */
-
-static double distance2(const double a[3], const double b[3]) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-  return sum;
-}
-
-static int is_zero(const double v[3]) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
-
-static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
-/* How far from where it is set now a collider that was set before would be by that path. */
-static double miss_of(const pbf_collider *before, uint32_t path, double elapsed,
-                      const pbf_collider *now) {
-  double position[3];
-  pbf_motion_position(before, path, elapsed, position);
-  return distance2(position, now->position);
-}
-
-/* A velocity may be meant as a chord to the next pose, or as what it is at the time: whichever has
- * foretold better where the collider is set now is how it goes on. */
-static uint32_t path_after(const pbf_collider *before, double elapsed, const pbf_collider *now) {
-  if (!pbf_motion_turns(before) || is_zero(before->velocity)) return before->path;
-  const double straight = miss_of(before, PBF_PATH_STRAIGHT, elapsed, now);
-  const double screw = miss_of(before, PBF_PATH_SCREW, elapsed, now);
-  if (straight == screw) return before->path;
-  return screw < straight ? PBF_PATH_SCREW : PBF_PATH_STRAIGHT;
-}
-
-static void choose_paths(const pbf_solver *solver, uint32_t count, pbf_collider *colliders,
-                         double now) {
-  const double elapsed = now - solver->collider_time;
-  for (uint32_t i = 0; i < count; ++i) {
-    const pbf_collider *before = i < solver->collider_count ? &solver->colliders[i] : NULL;
-    if (colliders[i].path != PBF_PATH_AUTO) continue;
-    colliders[i].path = !before || before->shape != colliders[i].shape
-                            ? (uint32_t)PBF_PATH_STRAIGHT
-                            : path_after(before, elapsed, &colliders[i]);
-  }
-}
-
 /* ---- Setting -------------------------------------------------------------------------------- */
 
 pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count) {
@@ -183,74 +140,43 @@ void pbf_colliders_replace(pbf_solver *solver, uint32_t count, pbf_collider *col
   drop(solver, count_before, before); /* last: by a callback that may be left */
 }
 
-/* The farthest point of its surface from the axes that it turns about. */
-static double size_of(const pbf_collider *c) {
-  if (c->shape == PBF_COLLIDER_BOX) return length_of(c->half_extents);
-  return c->shape == PBF_COLLIDER_SHAPE ? c->scale * c->geometry->bound
-                                        : c->radius + c->half_length;
+/* Of a size that is set anew in each step, as that of a balloon: what its surface then finds, the
+ * next step's collision pushes out of it. */
+static double most_growth_of(const pbf_solver *solver) {
+  return pbf_max_depenetration_speed_of(&solver->params, (int)solver->kind.dimension) *
+         solver->params.time_step;
 }
 
-static double cosine_of_half_turn(const pbf_collider *a, const pbf_collider *b) {
-  double dot = 0;
-  for (int k = 0; k < 4; ++k) dot += a->orientation[k] * b->orientation[k];
-  return fmin(fabs(dot), 1);
+static pbf_collider_change change_of(const pbf_solver *solver) {
+  const pbf_collider_change change = {pbf_solver_time(solver) - solver->collider_time,
+                                      solver->params.smoothing_radius, most_growth_of(solver),
+                                      solver->kind.dimension};
+  return change;
 }
 
-/* How far the surface of a collider goes at most as it turns from one pose to another. */
-static double turn_between(const pbf_collider *a, const pbf_collider *b) {
-  const double cosine = cosine_of_half_turn(a, b);
-  return 2 * pbf_angle(sqrt((1 - cosine) * (1 + cosine)), cosine) * size_of(a);
+static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+/* Whether it is the one of the same number that goes on. */
+static int goes_on(const pbf_collider_places *before, uint32_t k, const pbf_collider *next) {
+  double way[3];
+  if (k >= before->count) return 0;
+  if (pbf_collider_is_surely_near(&before->change, &before->list[k], next)) return 1;
+  const double turn = pbf_collider_find_way(&before->change, &before->list[k], next, way);
+  return turn + length_of(way) < before->change.near;
 }
 
-static double distance_of(const double a[3], const double b[3]) { return sqrt(distance2(a, b)); }
-
-/* How far its surface goes at most between solids of shapes, of which one may be baked anew for
- * each frame. */
-static double shape_growth_between(const pbf_collider *a, const pbf_collider *b, double most) {
-  const pbf_scaled_shape before = {a->geometry, a->scale}, next = {b->geometry, b->scale};
-  if (a->geometry == b->geometry) return fabs(a->scale - b->scale) * a->geometry->bound;
-  return pbf_shape_growth(&before, &next, (int)a->inverted, most);
-}
-
-/* How far its surface goes at most as it takes on another one's sizes; without end, if that is no
- * matter of sizes. More than `most` may be any such number. */
-static double growth_between(const pbf_collider *a, const pbf_collider *b, double most) {
-  if (a->shape != b->shape || a->inverted != b->inverted) return INFINITY;
-  if (a->shape == PBF_COLLIDER_BOX) return distance_of(a->half_extents, b->half_extents);
-  if (a->shape == PBF_COLLIDER_SHAPE) return shape_growth_between(a, b, most);
-  return fabs(a->radius - b->radius) + fabs(a->half_length - b->half_length);
-}
-
-static int keeps_size(const pbf_collider *c) {
-  return c->radius_rate == 0 && c->half_length_rate == 0 && c->scale_rate == 0 &&
-         is_zero(c->half_extents_rate);
-}
-
-/* Whether it is sure, without sines, that one which was set `elapsed` ago is less than h from where
- * it is set now: no point of it has gone farther, on its way and from where it was to where it is
- * now, than all that is added up here. */
-static int is_surely_near(const pbf_collider *before, double elapsed, const pbf_collider *next,
-                          double h, double most_growth) {
-  const double by_norm = 0.004;        /* that orientations have to 1e-6 */
-  const double most_per_sine = 1.5708; /* asin x <= pi / 2 x */
-  if (!keeps_size(before) || growth_between(before, next, most_growth) > most_growth) return 0;
-  const double cosine = cosine_of_half_turn(before, next);
-  const double sine = sqrt(0.5 * (1 - cosine)); /* of a quarter of the turn between the poses */
-  const double turn =
-      by_norm + 4 * most_per_sine * sine + elapsed * length_of(before->angular_velocity);
-  const double way =
-      distance_of(before->position, next->position) + elapsed * length_of(before->velocity);
-  return way + turn * size_of(before) < 0.999 * h;
-}
-
-/* How far it is set from where its motion has led, and *turn, how far its surface has turned. */
-static void find_jump(const pbf_collider *before, double elapsed, const pbf_collider *next,
-                      double most_growth, double way[3], double *turn) {
-  pbf_collider now = *next;
-  if (before) pbf_motion_collider(before, elapsed, &now);
-  const int is_it = before && growth_between(&now, next, most_growth) <= most_growth;
-  *turn = is_it ? turn_between(&now, next) : INFINITY;
-  for (int a = 0; a < 3; ++a) way[a] = next->position[a] - now.position[a];
+/* Whether it is one that stood where it is set, *number its number: its own, or else another. */
+static int find_one(pbf_solver *solver, pbf_collider_places *before, const pbf_collider *next,
+                    uint32_t *number) {
+  if (before->count == 0) return 0;
+  if (goes_on(before, *number, next)) return 1;
+  if (!before->heads)
+    pbf_collider_places_build(
+        before, pbf_colliders_numbers(solver, solver->collider_count, solver->colliders,
+                                      PBF_COLLIDERS_PLACES));
+  const uint32_t found = pbf_collider_places_find(before, next);
+  if (found < before->count) *number = found;
+  return found < before->count;
 }
 
 /* The colliders that have been set to other places than their motion has led to. */
@@ -259,57 +185,84 @@ typedef struct jumps {
   double shift[3];
 } jumps;
 
-/* Of a size that is set anew in each step, as that of a balloon: what its surface then finds, the
- * next step's collision pushes out of it. */
-static double most_growth_of(const pbf_solver *solver) {
-  return pbf_max_depenetration_speed_of(&solver->params, (int)solver->kind.dimension) *
-         solver->params.time_step;
-}
-
-/* Where they have been shifted alike, the world's origin may have been. */
-static jumps find_jumps(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
-  const double h = solver->params.smoothing_radius, nowhere[3] = {0, 0, 0};
-  const double elapsed = pbf_solver_time(solver) - solver->collider_time;
-  const double most_growth = most_growth_of(solver);
+/* Which of those before each is; of those that have been set elsewhere, all of which are placed so
+ * far, that of its number. */
+static jumps find_before(pbf_solver *solver, pbf_collider_places *before, uint32_t count,
+                         pbf_collider *next, uint32_t *numbers) {
   const uint32_t words = pbf_collider_words(count);
   jumps found = {
       {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_IN)},
       {0, words, pbf_colliders_marked(solver, count, next, PBF_COLLIDERS_JUMP_ALIKE)},
       {0, 0, 0},
   };
-  int any = 0;
   for (uint32_t k = 0; k < count; ++k) {
-    const pbf_collider *before = k < solver->collider_count ? &solver->colliders[k] : NULL;
-    double turn, way[3];
-    if (before && is_surely_near(before, elapsed, &next[k], h, most_growth)) continue;
-    find_jump(before, elapsed, &next[k], most_growth, way, &turn);
-    if (turn + distance_of(nowhere, way) < h) continue;
-    if (!any) memcpy(found.shift, way, sizeof way);
-    const int alike = turn + distance_of(found.shift, way) < h;
-    any |= alike;
-    pbf_collider_set_add(alike ? &found.shifted : &found.placed, k);
+    numbers[k] = k;
+    if (!find_one(solver, before, &next[k], &numbers[k])) pbf_collider_set_add(&found.placed, k);
   }
   return found;
 }
 
-/* What the solver has noted of its colliders goes on with those that take their place. */
-static void keep_marks(const pbf_solver *solver, uint32_t count, pbf_collider *next) {
-  for (int mark = PBF_COLLIDERS_PLACED; mark <= PBF_COLLIDERS_SHIFTED; ++mark) {
-    const enum pbf_collider_mark of = (enum pbf_collider_mark)mark;
-    const pbf_collider_set before = pbf_colliders_set(solver, 0, of);
-    pbf_collider_set after = {0, pbf_collider_words(count),
-                              pbf_colliders_marked(solver, count, next, of)};
-    pbf_collider_set_copy(&after, &before);
+static void choose_paths(const pbf_collider_places *before, uint32_t count, const uint32_t *numbers,
+                         pbf_collider *next) {
+  for (uint32_t k = 0; k < count; ++k) {
+    const pbf_collider *was = numbers[k] < before->count ? &before->list[numbers[k]] : NULL;
+    if (next[k].path != PBF_PATH_AUTO) continue;
+    next[k].path = !was || was->shape != next[k].shape
+                       ? (uint32_t)PBF_PATH_STRAIGHT
+                       : pbf_collider_path_after(was, before->change.elapsed, &next[k]);
   }
+}
+
+/* Of those that have been set elsewhere some may have been shifted alike, with the world's origin.
+ */
+static void find_shift(const pbf_collider_places *before, uint32_t count, const pbf_collider *next,
+                       jumps *found) {
+  int any = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    if (!pbf_collider_set_has(&found->placed, k)) continue;
+    const pbf_collider *was = k < before->count ? &before->list[k] : NULL;
+    double way[3];
+    const double turn = pbf_collider_find_way(&before->change, was, &next[k], way);
+    if (!any) memcpy(found->shift, way, sizeof way);
+    for (int a = 0; a < 3; ++a) way[a] -= found->shift[a];
+    if (turn + length_of(way) >= before->change.near) continue;
+    any = 1;
+    pbf_collider_set_remove(&found->placed, k);
+    pbf_collider_set_add(&found->shifted, k);
+  }
+}
+
+/* What the solver has noted of its colliders goes on with those that take their place; `numbers`:
+ * which of them each was, null: that of its own number. The first word of what is noted is told. */
+static uint64_t carried(const pbf_solver *solver, uint64_t first, enum pbf_collider_mark mark,
+                        uint32_t count, const uint32_t *numbers, pbf_collider *next) {
+  const pbf_collider_set before = pbf_colliders_set(solver, first, mark);
+  pbf_collider_set after = {0, pbf_collider_words(count),
+                            pbf_colliders_marked(solver, count, next, mark)};
+  const uint32_t looked_at = pbf_collider_set_is_empty(&before) ? 0 : count;
+  for (uint32_t k = 0; k < looked_at; ++k) {
+    const uint32_t number = numbers ? numbers[k] : k;
+    if (number < solver->collider_count && pbf_collider_set_has(&before, number))
+      pbf_collider_set_add(&after, k);
+  }
+  return after.first;
+}
+
+static void keep_marks(pbf_solver *solver, uint32_t count, const uint32_t *numbers,
+                       pbf_collider *next) {
+  uint64_t *placed = &solver->overlap.found.colliders, *shifted = &solver->placement.colliders;
+  *placed = carried(solver, *placed, PBF_COLLIDERS_PLACED, count, numbers, next);
+  *shifted = carried(solver, *shifted, PBF_COLLIDERS_SHIFTED, count, numbers, next);
 }
 
 /* Checked ones, with poses that hold now, for the backend and then for the solver, which owns them
  * from then on. */
-static pbf_status put_in_place(pbf_solver *solver, uint32_t count, pbf_collider *colliders) {
+static pbf_status put_in_place(pbf_solver *solver, uint32_t count, const uint32_t *numbers,
+                               pbf_collider *colliders) {
   const double now = pbf_solver_time(solver);
   pbf_status status = pbf_colliders_to_backend(solver, count, colliders, now);
   if (status == PBF_OK) {
-    keep_marks(solver, count, colliders);
+    keep_marks(solver, count, numbers, colliders);
     pbf_colliders_replace(solver, count, colliders, now);
   } else {
     drop(solver, count, colliders);
@@ -319,13 +272,17 @@ static pbf_status put_in_place(pbf_solver *solver, uint32_t count, pbf_collider 
 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
   pbf_collider *memory = NULL;
-  double now = pbf_solver_time(solver);
   pbf_status status = check_array(solver, count, theirs);
   if (status == PBF_OK && count > 0) status = take(solver, TO_SET, count, theirs, &memory);
   if (status != PBF_OK) return status;
-  choose_paths(solver, count, memory, now);
-  const jumps found = find_jumps(solver, count, memory);
-  status = put_in_place(solver, count, memory);
+  pbf_collider_places before = {solver->colliders, solver->collider_count, change_of(solver), NULL,
+                                NULL};
+  uint32_t *numbers =
+      count > 0 ? pbf_colliders_numbers(solver, count, memory, PBF_COLLIDERS_BEFORE) : NULL;
+  jumps found = find_before(solver, &before, count, memory, numbers);
+  find_shift(&before, count, memory, &found);
+  choose_paths(&before, count, numbers, memory);
+  status = put_in_place(solver, count, numbers, memory);
   if (status != PBF_OK) return status;
   pbf_overlap_note_colliders(solver, &found.placed);
   pbf_note_collider_shift(solver, &found.shifted, found.shift);
@@ -420,7 +377,7 @@ static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_c
   status = take(solver, TO_MOVE, count, theirs, &memory);
   if (status != PBF_OK) return status;
   status = aim(solver, count, duration, memory);
-  if (status == PBF_OK) return put_in_place(solver, count, memory);
+  if (status == PBF_OK) return put_in_place(solver, count, NULL, memory);
   drop(solver, count, memory);
   return status;
 }

@@ -5,7 +5,7 @@
 #include "solver.h"
 
 /* A solver's colliders lie in one block: as they were set, in 2D once more as backends get them,
- * and behind them sets of those that are not among the first 64. */
+ * and behind them sets of those that are not among the first 64, and numbers for each. */
 enum pbf_collider_mark {
   PBF_COLLIDERS_PLACED,  /* in fluid, since the last step: overlap.h */
   PBF_COLLIDERS_SHIFTED, /* all farther by the same, since then: prestabilize.h */
@@ -13,6 +13,10 @@ enum pbf_collider_mark {
   PBF_COLLIDERS_JUMP_ALIKE,
   PBF_COLLIDER_MARKS
 };
+
+/* While they take the place of others: which of those each was, or `none` of them; and, once others
+ * take theirs, two for collider_places.h. */
+enum pbf_collider_numbers { PBF_COLLIDERS_BEFORE, PBF_COLLIDERS_PLACES, PBF_COLLIDER_NUMBERS = 3 };
 
 static inline uint32_t pbf_collider_words(uint32_t count) {
   return count > 64 ? (count - 1) / 64 : 0;
@@ -22,9 +26,21 @@ static inline uint64_t pbf_collider_copies(const pbf_solver *solver, uint32_t co
   return (uint64_t)count * (solver->kind.dimension == 2 ? 2 : 1);
 }
 
-static inline uint64_t pbf_colliders_bytes(const pbf_solver *solver, uint32_t count) {
+static inline uint64_t pbf_colliders_before_numbers(const pbf_solver *solver, uint32_t count) {
   return pbf_collider_copies(solver, count) * sizeof(pbf_collider) +
          PBF_COLLIDER_MARKS * (uint64_t)pbf_collider_words(count) * sizeof(uint64_t);
+}
+
+static inline uint64_t pbf_colliders_bytes(const pbf_solver *solver, uint32_t count) {
+  return pbf_colliders_before_numbers(solver, count) +
+         PBF_COLLIDER_NUMBERS * (uint64_t)count * sizeof(uint32_t);
+}
+
+static inline uint32_t *pbf_colliders_numbers(const pbf_solver *solver, uint32_t count,
+                                              pbf_collider *colliders,
+                                              enum pbf_collider_numbers which) {
+  return (uint32_t *)(void *)((char *)colliders + pbf_colliders_before_numbers(solver, count)) +
+         (uint64_t)which * count;
 }
 
 /* The words of a set in a block; null: there are none. */
