@@ -103,6 +103,18 @@ PBF_FN_NOINLINE void pbf_visit_field_planes(const pbf_constants *c, const pbf_fi
       faces->of[faces->count++] = before.of[k];
 }
 
+/* Whether a face looks the same way as a wall of the domain that is within reach, too. Such faces
+ * are visited first: between the two what they face would hide that they are one. */
+PBF_FN_HOST_NOINLINE int pbf_lies_along_wall(const pbf_domain *domain, pbf_vec x, pbf_real reach,
+                                             const pbf_near_face *face) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const int upper = face->normal.c[k] < 0;
+    if ((upper ? -face->normal.c[k] : face->normal.c[k]) > (pbf_real)0.999)
+      return pbf_wall_distance(domain, 2 * k + upper, x) < reach;
+  }
+  return 0;
+}
+
 /* Calls visit(face, part) for the planes within reach of x by which surfaces contribute, and the
  * part of each that does; each(meet) calls meet(surface, number) for all surfaces, as often as is
  * asked. */
@@ -117,7 +129,13 @@ PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain
     pbf_meet_surface(c, &s, solid, x, reach, &faces, &edges, &planes, each, visit);
   });
   if (planes.count > 0) pbf_visit_field_planes(c, &planes, &faces, visit);
-  for (int k = 0; k < faces.count; ++k) visit(faces.of[k], 1);
+  uint32_t first = 0;
+  for (int k = 0; k < faces.count && faces.count > 1; ++k)
+    if (pbf_lies_along_wall(domain, x, reach, &faces.of[k])) first |= UINT32_C(1) << k;
+  for (int k = 0; k < faces.count && first; ++k)
+    if (first >> k & 1) visit(faces.of[k], 1);
+  for (int k = 0; k < faces.count; ++k)
+    if (!(first >> k & 1)) visit(faces.of[k], 1);
   if (edges.count == 0) return;
   pbf_put_domain(c, domain, x, &faces);
   if (PBF_KEEPS_EDGES && edges.count <= PBF_NEAR_EDGES && planes.fields == 0) {

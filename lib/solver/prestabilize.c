@@ -108,17 +108,30 @@ static pbf_status set_apart_at_faces(pbf_solver *solver) {
   return status;
 }
 
+/* The least errors so far. */
+typedef struct least_errors {
+  double mean, max;
+} least_errors;
+
+/* Whether one of them has become less. */
+static int improve(least_errors *least, const pbf_stats *stats) {
+  const int mean = stats->density_error_mean < (1 - min_gain) * least->mean;
+  const int max = stats->density_error_max < (1 - min_gain) * least->max;
+  if (mean) least->mean = stats->density_error_mean;
+  if (max) least->max = stats->density_error_max;
+  return mean || max;
+}
+
 /* At least one pass, whatever the error, where walls have jumped or particles been set apart. */
 static pbf_status project(pbf_solver *solver, int jumped, pbf_before_projection *before) {
   const int at_least = jumped || solver->placement.places & PBF_PLACES_PARTED;
-  double wanted = solver->params.prestabilization, max_error = wanted, best = INFINITY, error;
+  double wanted = solver->params.prestabilization, max_error = wanted, error;
+  least_errors least = {INFINITY, INFINITY};
   pbf_stats stats;
   for (int pass = 0, stalled = 0; pass < MAX_PASSES; ++pass) {
     pbf_status status = measure(solver, &stats, &error);
     if (status != PBF_OK || (error <= max_error && pass >= at_least)) return status;
-    int improves = error < (1 - min_gain) * best;
-    stalled = improves ? 0 : stalled + 1;
-    if (improves) best = error;
+    stalled = improve(&least, &stats) ? 0 : stalled + 1;
     if (stats.neighbors_mean > max_neighbors_mean || stalled == MAX_STALLED) break;
     status = keep_positions(solver, before);
     if (status != PBF_OK) return status;
