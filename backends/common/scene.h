@@ -176,9 +176,15 @@ static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collide
   if (status != PBF_OK) return status;
   const bool may_sleep = (PBF_BUILT & PBF_FEATURE_SLEEP) && s->schedule.runs[PBF_STAGE_SLEEP] != 0;
   if (may_sleep) wake_what_was_held(s, count, colliders);
-  const pbf_moving_obstacles changed = pbf_changed_surfaces(
-      s->collider_count, t->list, count, colliders, s->moving_obstacles, t->changed);
-  wake_near_moving(s, changed, s->now);
+  pbf_moving_obstacles come = {0, 0, 0, t->changed};
+  if (may_sleep) {
+    wake_near_moving(s,
+                     pbf_leaving_surfaces(s->collider_count, t->list, count, colliders,
+                                          s->moving_obstacles, t->still_moving),
+                     s->now);
+    come = pbf_coming_surfaces(s->collider_count, t->list, count, colliders, s->moving_obstacles,
+                               t->changed);
+  }
   settle_for(s, count, colliders);
   if (s->load_tally)
     pbf_forget_loads(s->load_tally, count < s->collider_count ? count : s->collider_count);
@@ -187,10 +193,10 @@ static pbf_status replace_colliders(Solver *s, uint32_t count, const pbf_collide
   s->collider_time = s->now = time;
   s->schedule = schedule;
   s->moving_obstacles = pbf_moving_obstacles_of(&s->params, count, t->list, t->moving);
-  wake_near_moving(s, changed, time);
-  if (may_sleep)
-    keep_awake_near(s, pbf_arriving_surfaces(count, changed, s->moving_obstacles, t->still_moving),
-                    time);
+  if (!may_sleep) return PBF_OK;
+  wake_near_moving(s, come, time);
+  keep_awake_near(s, pbf_arriving_surfaces(count, come, s->moving_obstacles, t->still_moving),
+                  time);
   return PBF_OK;
 }
 

@@ -149,10 +149,16 @@ static inline pbf_status replace_colliders(solver *s, uint32_t count, const pbf_
   /* What the grid of the last step adds to pressures goes by its shapes. */
   if (!status && s->shapes.memory != shapes.memory && s->topology_memory) status = add_weight(s);
   if (!status) status = wake_what_was_held(s, count, colliders);
-  const pbf_moving_obstacles changed =
-      pbf_changed_surfaces(s->collider_count, s->colliders, count, colliders, s->moving_obstacles,
-                           s->many.table.changed);
-  if (!status) status = wake_near_colliders(s, changed, s->time);
+  const pbf_collider_table &t = s->many.table;
+  const bool may_sleep = PBF_SLEEP && s->activity;
+  pbf_moving_obstacles come = {0, 0, 0, t.changed};
+  if (!status && may_sleep) {
+    const pbf_moving_obstacles left = pbf_leaving_surfaces(
+        s->collider_count, s->colliders, count, colliders, s->moving_obstacles, t.still_moving);
+    status = wake_near_colliders(s, left, s->time);
+    come = pbf_coming_surfaces(s->collider_count, s->colliders, count, colliders,
+                               s->moving_obstacles, t.changed);
+  }
   if (!status) status = forget_loads(s, count < s->collider_count ? count : s->collider_count);
   if (status) {
     drop_shapes(s, shapes);
@@ -169,10 +175,9 @@ static inline pbf_status replace_colliders(solver *s, uint32_t count, const pbf_
   s->moving_obstacles =
       pbf_moving_obstacles_of(&s->params, count, s->colliders, s->many.table.moving);
   note_standing(s);
-  if ((status = wake_near_colliders(s, changed, time)) || !PBF_SLEEP || !s->activity) return status;
-  return keep_awake_near(
-      s, pbf_arriving_surfaces(count, changed, s->moving_obstacles, s->many.table.still_moving),
-      time);
+  if (!may_sleep || (status = wake_near_colliders(s, come, time))) return status;
+  return keep_awake_near(s, pbf_arriving_surfaces(count, come, s->moving_obstacles, t.still_moving),
+                         time);
 }
 
 #endif

@@ -59,11 +59,14 @@ static int is_in_one(const pbf_collider *solids, const double x[3], uint32_t dim
 }
 
 /* Water around the solids, which are set. */
-static pbf_solver *pool(uint32_t dimension, uint32_t precision, double time_step) {
+static pbf_solver *sleepy_pool(uint32_t dimension, uint32_t precision, double time_step,
+                               double sleep_speed) {
   static double points[3 * MOST];
   pbf_collider solids[SOLIDS];
   pbf_params params = test_params();
   uint32_t count = 0;
+  params.sleep_speed = sleep_speed;
+  params.sleep_time = sleep_speed > 0 ? 0.2 : 0;
   params.spacing = d;
   params.smoothing_radius = 2 * d;
   params.time_step = time_step;
@@ -86,6 +89,10 @@ static pbf_solver *pool(uint32_t dimension, uint32_t precision, double time_step
   assert_ok(pbf_set_colliders(s, SOLIDS, solids));
   assert_ok(pbf_add_particles(s, count, points, NULL, NULL));
   return s;
+}
+
+static pbf_solver *pool(uint32_t dimension, uint32_t precision, double time_step) {
+  return sleepy_pool(dimension, precision, time_step, 0);
 }
 
 static pbf_stats stats_of(pbf_solver *s) {
@@ -185,12 +192,40 @@ static void what_comes_is_found(void **state) {
   test_for_long_kinds(check_placed);
 }
 
+/* What sleeps sleeps on, whatever the order; and wakes where one has been taken out of the list. */
+static void check_sleep(uint32_t dimension, uint32_t precision) {
+  pbf_solver *s = sleepy_pool(dimension, precision, 1.0 / 60, 2);
+  const uint32_t all = stats_of(s).count;
+  assert_ok(pbf_step(s, 60));
+  assert_int_equal(stats_of(s).asleep, all);
+  for (int step = 0; step < 12; ++step) {
+    pbf_collider list[LIST];
+    const uint32_t count = put_list(step < 6 ? TURNED_ROUND : ONE_IN_FRONT, step, list);
+    assert_ok(pbf_set_colliders(s, count, list));
+    assert_ok(pbf_step(s, 1));
+    assert_int_equal(stats_of(s).asleep, all);
+  }
+  pbf_collider list[SOLIDS];
+  put_solids(list);
+  assert_ok(pbf_set_colliders(s, SOLIDS - 1, list + 1));
+  assert_ok(pbf_step(s, 1));
+  assert_int_equal(stats_of(s).asleep, 0);
+  pbf_destroy(s);
+}
+
+static void what_sleeps_sleeps_on(void **state) {
+  (void)state;
+  if (strcmp(test_backend(), "reference") == 0) test_skip("nothing sleeps");
+  test_for_long_kinds(check_sleep);
+}
+
 /* The stub solves nothing. */
 int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(water_stands_whatever_the_order),
       cmocka_unit_test(what_comes_is_found),
+      cmocka_unit_test(what_sleeps_sleeps_on),
   };
   return TEST_RUN(tests);
 }

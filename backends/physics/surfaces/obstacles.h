@@ -221,20 +221,46 @@ static inline int pbf_any_obstacle_moves(pbf_moving_obstacles m) {
   return m.walls || m.surfaces || m.others;
 }
 
-/* Of the colliders `now` and `next`: those that are not the same in both, or are in `also`, and so
- * may stand elsewhere. */
-static inline pbf_moving_obstacles pbf_changed_surfaces(uint32_t count, const pbf_collider *now,
+/* Whether one of a list is the same as a collider that has the number k in another one, and is not
+ * in `moving`, or null. A caller's list may be in another order each time, as where one has been
+ * erased: some around k are looked at, as many on each side. */
+static inline bool pbf_is_listed(const pbf_collider *of, uint32_t k, uint32_t count,
+                                 const pbf_collider *list, const pbf_moving_obstacles *moving) {
+  constexpr uint32_t LOOKED_AT = 16;
+  const auto is_it = [&](uint32_t j) {
+    return j < count && memcmp(of, &list[j], sizeof *of) == 0 &&
+           !(moving && pbf_set_has(moving->surfaces, moving->more, (int)j));
+  };
+  bool found = is_it(k);
+  for (uint32_t away = 1; away <= LOOKED_AT && !found; ++away)
+    found = (away <= k && is_it(k - away)) || is_it(k + away);
+  return found;
+}
+
+/* Of the colliders `now`: those that are in `moving`, or not among `next`, and so may have stood
+ * elsewhere. */
+static inline pbf_moving_obstacles pbf_leaving_surfaces(uint32_t count, const pbf_collider *now,
                                                         uint32_t next_count,
                                                         const pbf_collider *next,
-                                                        const pbf_moving_obstacles &also,
+                                                        const pbf_moving_obstacles &moving,
                                                         uint64_t *room) {
-  static const pbf_collider none[1] = {{0}};
   pbf_moving_obstacles m = {0, 0, 0, room};
-  find_set(count > next_count ? count : next_count, room, &m, [&](uint32_t k) {
-    const pbf_collider *a = k < count ? &now[k] : none, *b = k < next_count ? &next[k] : none;
-    return memcmp(a, b, sizeof *a) != 0 ||
-           (k < count && pbf_set_has(also.surfaces, also.more, (int)k));
+  find_set(count, room, &m, [&](uint32_t k) {
+    return pbf_set_has(moving.surfaces, moving.more, (int)k) ||
+           !pbf_is_listed(&now[k], k, next_count, next, NULL);
   });
+  return m;
+}
+
+/* Of the colliders `next`: those that have not stood there among `now`. */
+static inline pbf_moving_obstacles pbf_coming_surfaces(uint32_t count, const pbf_collider *now,
+                                                       uint32_t next_count,
+                                                       const pbf_collider *next,
+                                                       const pbf_moving_obstacles &moving,
+                                                       uint64_t *room) {
+  pbf_moving_obstacles m = {0, 0, 0, room};
+  find_set(next_count, room, &m,
+           [&](uint32_t k) { return !pbf_is_listed(&next[k], k, count, now, &moving); });
   return m;
 }
 
@@ -248,19 +274,19 @@ static inline pbf_moving_obstacles pbf_departing_surfaces(uint32_t count, const 
   pbf_moving_obstacles m = {0, 0, 0, room};
   find_set(count, room, &m, [&](uint32_t k) {
     return !pbf_set_has(moving.surfaces, moving.more, (int)k) &&
-           (k >= next_count || memcmp(&now[k], &next[k], sizeof *now) != 0);
+           !pbf_is_listed(&now[k], k, next_count, next, NULL);
   });
   return m;
 }
 
-/* Of `count` colliders that have changed: those that now stand still. */
+/* Of `count` colliders that have come: those that now stand still. */
 static inline pbf_moving_obstacles pbf_arriving_surfaces(uint32_t count,
-                                                         const pbf_moving_obstacles &changed,
+                                                         const pbf_moving_obstacles &come,
                                                          const pbf_moving_obstacles &moving,
                                                          uint64_t *room) {
   pbf_moving_obstacles m = {0, 0, 0, room};
   find_set(count, room, &m, [&](uint32_t k) {
-    return pbf_set_has(changed.surfaces, changed.more, (int)k) &&
+    return pbf_set_has(come.surfaces, come.more, (int)k) &&
            !pbf_set_has(moving.surfaces, moving.more, (int)k);
   });
   return m;
