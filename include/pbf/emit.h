@@ -60,9 +60,11 @@ typedef struct pbf_emitter {
 PBF_API pbf_status pbf_emitter_init(pbf_emitter *emitter, uint32_t struct_size, uint32_t shape);
 
 /* Replaces all emitters. `emitters` is an array of `count` structs, each of the size of the first.
- * Emitter i goes on where emitter i before it was, so that a tap can be turned and a hose be swung
- * step by step: what has left it goes straight on, at the speed that the stream has now. What has a
- * lifetime keeps it. */
+ * Each goes on where one before was: the same one, whatever its number; or else the nearest of its
+ * shape and phase within smoothing_radius, that of its number first; or else that of its number. So
+ * a tap can be turned and a hose be swung step by step, and others come and go in the list: what
+ * has left an emitter goes straight on, at the speed that the stream has now. What has a lifetime
+ * keeps it. */
 PBF_API pbf_status pbf_set_emitters(pbf_solver *solver, uint32_t count,
                                     const pbf_emitter *emitters);
 

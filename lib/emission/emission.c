@@ -53,12 +53,94 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_em
   return PBF_OK;
 }
 
-/* There is no stream any more. */
-static void let_go(pbf_emission *e, uint32_t source) {
-  uint32_t kept = 0;
-  for (uint32_t i = 0; i < e->head.guided_count; ++i)
-    if (e->guided[i].source != source) e->guided[kept++] = e->guided[i];
+/* What tells that an emitter goes on which was one before: it is the same; it is one of its kind
+ * that is nearer than h; it has its number. */
+typedef enum going_on { AS_THE_SAME, AS_THE_NEAREST, BY_NUMBER, WAYS_TO_GO_ON } going_on;
+
+static const uint32_t none = PBF_MAX_EMITTERS;
+
+static double distance2(const pbf_solver *solver, const pbf_emitter *a, const pbf_emitter *b) {
+  double sum = 0;
+  for (uint32_t k = 0; k < solver->kind.dimension; ++k)
+    sum += (a->position[k] - b->position[k]) * (a->position[k] - b->position[k]);
+  return sum;
+}
+
+/* How far it is from one before, squared; without end where it is none that goes on as that. */
+static double away2(const pbf_solver *solver, going_on how, uint32_t before,
+                    const pbf_emitter *emitter) {
+  const pbf_emitter *was = &solver->emission->sources[before].emitter;
+  const double h = solver->params.smoothing_radius, way2 = distance2(solver, was, emitter);
+  if (how == BY_NUMBER) return 0;
+  if (how == AS_THE_SAME) return memcmp(was, emitter, sizeof *was) == 0 ? 0 : INFINITY;
+  const int is_like_it = was->shape == emitter->shape && was->phase == emitter->phase;
+  return is_like_it && way2 < h * h ? way2 : INFINITY;
+}
+
+/* The one before that goes on as emitter `number`, first of all that of its number. */
+static uint32_t find_before(const pbf_solver *solver, going_on how, uint64_t taken, uint32_t number,
+                            const pbf_emitter *emitter) {
+  const uint32_t count = solver->emission->head.source_count;
+  double least2 = INFINITY;
+  uint32_t found = none;
+  if (number < count && !(taken >> number & 1) && away2(solver, how, number, emitter) < INFINITY)
+    return number;
+  for (uint32_t k = 0; k < count && how != BY_NUMBER; ++k) {
+    const double this2 = taken >> k & 1 ? INFINITY : away2(solver, how, k, emitter);
+    if (!(this2 < least2)) continue;
+    least2 = this2;
+    found = k;
+  }
+  return found;
+}
+
+/* Which of those before each is, or none: a caller's list may be in another order each time, as
+ * where one has been erased. */
+static void find_all_before(const pbf_solver *solver, uint32_t count, const pbf_emitter *emitters,
+                            uint32_t before[PBF_MAX_EMITTERS]) {
+  uint64_t taken = 0;
+  for (uint32_t i = 0; i < count; ++i) before[i] = none;
+  for (int how = 0; how < WAYS_TO_GO_ON; ++how)
+    for (uint32_t i = 0; i < count; ++i) {
+      if (before[i] != none) continue;
+      before[i] = find_before(solver, (going_on)how, taken, i, &emitters[i]);
+      if (before[i] != none) taken |= UINT64_C(1) << before[i];
+    }
+}
+
+/* What has left an opening goes on with its emitter, and is free where there is none any more. */
+static void hand_on_guided(pbf_emission *e, uint32_t count, const uint32_t *before) {
+  uint32_t kept = 0, now[PBF_MAX_EMITTERS];
+  for (uint32_t i = 0; i < PBF_MAX_EMITTERS; ++i) now[i] = none;
+  for (uint32_t i = 0; i < count; ++i)
+    if (before[i] != none) now[before[i]] = i;
+  for (uint32_t i = 0; i < e->head.guided_count; ++i) {
+    const uint32_t source = now[e->guided[i].source];
+    if (source == none) continue;
+    e->guided[kept] = e->guided[i];
+    e->guided[kept++].source = source;
+  }
   e->head.guided_count = kept;
+}
+
+static void replace(pbf_solver *solver, uint32_t count, const pbf_emitter *emitters) {
+  pbf_emission *e = solver->emission;
+  uint32_t before[PBF_MAX_EMITTERS];
+  uint64_t numbers[PBF_MAX_EMITTERS];
+  double due[PBF_MAX_EMITTERS];
+  find_all_before(solver, count, emitters, before);
+  hand_on_guided(e, count, before);
+  for (uint32_t i = 0; i < count; ++i) {
+    due[i] = before[i] == none ? 0 : e->sources[before[i]].due;
+    numbers[i] = before[i] == none ? 0 : e->sources[before[i]].number;
+  }
+  memset(e->sources, 0, sizeof e->sources);
+  for (uint32_t i = 0; i < count; ++i) {
+    e->sources[i].emitter = emitters[i];
+    e->sources[i].due = due[i];
+    e->sources[i].number = numbers[i];
+  }
+  e->head.source_count = count;
 }
 
 static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emitter *theirs) {
@@ -68,12 +150,7 @@ static pbf_status set_emitters(pbf_solver *solver, uint32_t count, const pbf_emi
   if (status != PBF_OK || (count == 0 && !solver->emission)) return status;
   status = pbf_emission_need(solver, &e);
   if (status != PBF_OK) return status;
-  for (uint32_t i = 0; i < PBF_MAX_EMITTERS; ++i) {
-    if (i >= count) let_go(e, i);
-    if (i >= count || i >= e->head.source_count) e->sources[i] = (pbf_source){0};
-    if (i < count) e->sources[i].emitter = ours[i];
-  }
-  e->head.source_count = count;
+  replace(solver, count, ours);
   for (uint32_t i = 0; i < count; ++i) pbf_emitter_clean(&ours[i], solver->kind.dimension);
   pbf_rank_settings_note(solver, "pbf_set_emitters", ours, count * sizeof *ours);
   pbf_emission_bound_stage(e);

@@ -45,7 +45,7 @@ namespace Pbf
     // What comes and goes in each step.
     public sealed partial class Solver
     {
-        /// <summary>Replaces all emitters; emitter i goes on where the one before it was.</summary>
+        /// <summary>Replaces all emitters; each goes on where it was before, whatever its number.</summary>
         public void SetEmitters(params Emitter[] emitters)
         {
             var sized = (Emitter[])Arrays.Given(emitters, "emitters").Clone();

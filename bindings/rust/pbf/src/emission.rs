@@ -64,7 +64,7 @@ impl Reservoir {
 
 /// What comes and goes in each step.
 impl<T: Real> Solver<T> {
-    /// Replaces all emitters; emitter i goes on where the one before it was.
+    /// Replaces all emitters; each goes on where it was before, whatever its number.
     pub fn set_emitters(&mut self, emitters: &[Emitter]) -> Result<()> {
         let raw: Vec<_> = emitters.iter().map(Emitter::sized).collect();
         let count = self.particles_of(raw.len(), 1)?;
