@@ -290,9 +290,8 @@ static pbf_status plan_steps(Solver *s, double most) {
 
 template <class Solver>
 static double steps_leave(Solver *s, double error, double most) {
-  if (s->schedule.phases) return -1; /* of fluids that differ it is not known */
   return pbf_settled_error(&s->params, &s->basins, s->collider_count, s->table.list, s->planned,
-                           error, most);
+                           &s->phases, error, most);
 }
 
 /* A step of no time, without what only steps need. */

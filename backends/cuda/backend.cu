@@ -188,9 +188,8 @@ static pbf_status plan_steps(pbf_backend_solver *handle, double most) {
 
 static double steps_leave(pbf_backend_solver *handle, double error, double most) {
   solver *s = of(handle);
-  if (s->schedule.phases) return -1; /* of fluids that differ it is not known */
   return pbf_settled_error(&s->params, &s->basins, s->collider_count, s->colliders, s->planned,
-                           error, most);
+                           &s->phases, error, most);
 }
 
 static pbf_status synchronize(pbf_backend_solver *handle) {

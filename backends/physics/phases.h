@@ -21,9 +21,10 @@
  * lightest one's, which its own weight would not hold down. Of that one pairs keep a third of what
  * they carry of the heaviest: with less the two stir each other, a tank of 1 : 2 at rest, 3D, h = 2
  * spacings, at 0.10 √(g d) with a fifth instead of 0.013, one of 1 : 0.8 with none at 0.05. */
-static inline double pbf_carried_density(const pbf_phase_table *table) {
+static inline double pbf_carried_of(const pbf_phase_table *table, uint32_t these) {
   double lightest = 1e30, heaviest = 0;
   for (uint32_t k = 0; k < table->count; ++k) {
+    if (!(these >> k & 1)) continue;
     const double density = 1 / table->mobility[k];
     lightest = density < lightest ? density : lightest;
     heaviest = density > heaviest ? density : heaviest;
@@ -32,13 +33,19 @@ static inline double pbf_carried_density(const pbf_phase_table *table) {
   return !table->count ? 1 : carried > 1e-6 * heaviest ? carried : 0;
 }
 
+/* Of those that there is fluid of: a pool of water is not to be left to the iterations because oil
+ * is listed. */
+static inline double pbf_carried_density(const pbf_phase_table *table) {
+  return pbf_carried_of(table, table->used ? table->used : UINT32_MAX);
+}
+
 /* Whether fluids differ in density, and so little that a grid carries some of all. Heavier ones
  * fall through lighter ones by themselves. */
 static inline int pbf_phases_are_close(const pbf_phase_table *table) {
   int differ = 0;
   for (uint32_t k = 1; k < table->count; ++k)
     differ |= table->mobility[k] < table->mobility[0] || table->mobility[k] > table->mobility[0];
-  return differ && pbf_carried_density(table) > 0;
+  return differ && pbf_carried_of(table, UINT32_MAX) > 0;
 }
 
 typedef struct pbf_phase_constants {

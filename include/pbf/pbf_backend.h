@@ -202,6 +202,9 @@ typedef struct pbf_phase_table {
   double thickness[PBF_MAX_PHASES]; /* … and dynamic, over the thickest phase's, 0 … 1 */
   double thickest;                  /* viscosity * rest_density of that */
   double heaviest;                  /* rest_density, or 1 */
+  uint32_t used;                    /* those that there are particles of, or may come, a bit each;
+                                       0: all */
+  uint32_t reserved;                /* 0 */
 } pbf_phase_table;
 
 /* Particles that enter by an emitter's opening: those of the range of ids of which a part is still

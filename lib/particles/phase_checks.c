@@ -46,19 +46,15 @@ pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind) {
                   phases->of[lightest].rest_density);
 }
 
-/* Of so many phases; of none both are 1. */
-static void find_extremes(const pbf_phases *phases, double *lightest, double *heaviest) {
-  *lightest = *heaviest = phases->count ? phases->of[0].rest_density : 1;
-  for (uint32_t i = 1; i < phases->count; ++i) {
-    *lightest = fmin(*lightest, phases->of[i].rest_density);
-    *heaviest = fmax(*heaviest, phases->of[i].rest_density);
+/* What a grid carries of these fluids, a bit each, is more than nothing: physics/phases.h of the
+ * backends. Of no fluids it carries all. */
+static int has_grid(const pbf_phases *phases, uint32_t these) {
+  double lightest = HUGE_VAL, heaviest = 0;
+  for (uint32_t i = 0; i < phases->count; ++i) {
+    if (!(these >> i & 1)) continue;
+    lightest = fmin(lightest, phases->of[i].rest_density);
+    heaviest = fmax(heaviest, phases->of[i].rest_density);
   }
-}
-
-/* What a grid carries of all fluids is more than nothing: physics/phases.h of the backends. */
-static int has_grid(const pbf_phases *phases) {
-  double lightest, heaviest;
-  find_extremes(phases, &lightest, &heaviest);
   return 3 * lightest > heaviest;
 }
 
@@ -71,7 +67,7 @@ static pbf_status refuse(const char *name, double value) {
 
 pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params) {
   if (!phases || !phases->differ) return PBF_OK;
-  if (params->pressure_grid > 0 && !has_grid(phases))
+  if (params->pressure_grid > 0 && !has_grid(phases, UINT32_MAX))
     return pbf_fail(PBF_ERROR_UNSUPPORTED,
                     "params.pressure_grid is %.9g and a phase has a rest_density of a third of the "
                     "heaviest one's or less; a grid carries none of that, and must be 0 or -1",
@@ -90,6 +86,6 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
   pbf_params theirs = *params;
   if (!phases || !phases->differ) return theirs;
-  if (!has_grid(phases)) theirs.pressure_grid = 0;
+  if (!has_grid(phases, phases->used ? phases->used : UINT32_MAX)) theirs.pressure_grid = 0;
   return theirs;
 }

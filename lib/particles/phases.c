@@ -13,6 +13,7 @@
 #include "solver/backend_call.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
+#include "solver/overlap.h"
 #include "solver/set_params.h"
 #include "structs.h"
 #include "values.h"
@@ -26,7 +27,8 @@ static pbf_status write_rows(pbf_solver *solver, const pbf_rows *rows, const uin
 }
 
 static pbf_phase_table table_of(const pbf_phases *phases) {
-  pbf_phase_table table = {.struct_size = sizeof table, .count = phases->count, .heaviest = 1};
+  pbf_phase_table table = {
+      .struct_size = sizeof table, .count = phases->count, .heaviest = 1, .used = phases->used};
   for (uint32_t i = 0; i < phases->count; ++i) {
     const pbf_phase *phase = &phases->of[i];
     table.mobility[i] = 1 / phase->rest_density;
@@ -132,6 +134,46 @@ static pbf_status replace(pbf_solver *solver, pbf_phases *ours) {
   if (status != PBF_OK) return go_back(solver, status);
   solver->phases = ours;
   pbf_phases_free(solver, before);
+  return PBF_OK;
+}
+
+/* Of which particles, emitters or reservoirs are, a bit each. */
+static uint32_t find_used(const pbf_solver *solver) {
+  const pbf_phases *phases = solver->phases;
+  const pbf_emission *e = solver->emission;
+  uint32_t used = 0;
+  for (uint32_t i = 0; i < phases->count && solver->count > 0; ++i)
+    if (memchr(phases->rows, (int)i, solver->count)) used |= UINT32_C(1) << i;
+  for (uint32_t i = 0; e && i < e->head.source_count; ++i)
+    used |= UINT32_C(1) << e->sources[i].emitter.phase;
+  for (uint32_t i = 0; e && i < e->head.reservoir_count; ++i)
+    used |= UINT32_C(1) << e->reservoirs[i].phase;
+  return used;
+}
+
+/* What steps leave may change with it, of what has been stepped. */
+static pbf_status tell_used(pbf_solver *solver, uint32_t used) {
+  pbf_phases *phases = solver->phases;
+  const uint32_t before = phases->used;
+  const double left = before ? pbf_overlap_steps_leave(solver) : 0;
+  phases->used = used;
+  pbf_status status = pbf_params_to_backend(solver, &solver->params);
+  if (status == PBF_OK) status = write_table(solver, phases);
+  if (status != PBF_OK) {
+    phases->used = before;
+    return go_back(solver, status);
+  }
+  if (before) pbf_overlap_note_grid(solver, left);
+  return PBF_OK;
+}
+
+pbf_status pbf_phases_tell_used(pbf_solver *solver) {
+  pbf_phases *phases = solver->phases;
+  if (!differ(phases) || solver->ranks.count) return PBF_OK;
+  const uint32_t used = find_used(solver), all = (UINT32_C(1) << phases->count) - 1;
+  if (!used || used == phases->used) return PBF_OK;
+  if (phases->used || used != all) return tell_used(solver, used);
+  phases->used = used;
   return PBF_OK;
 }
 

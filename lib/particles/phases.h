@@ -12,6 +12,8 @@
 typedef struct pbf_phases {
   uint32_t count;
   uint32_t differ; /* 1: in mass or viscosity, and the backend has them */
+  uint32_t used;   /* those that it was told to be used, a bit each; 0: it was told all */
+  uint32_t reserved;
   pbf_phase of[PBF_MAX_PHASES];
   uint8_t rows[]; /* capacity */
 } pbf_phases;
@@ -36,6 +38,10 @@ pbf_status pbf_phases_check_ranks(const pbf_phases *phases, const pbf_solver *so
 /* The parameters that a backend gets: where phases differ, without what defaults leave to it and it
  * has not for them. */
 pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params);
+
+/* Before steps: what phases are that nothing is of must not show. A grid carries what the lightest
+ * and the heaviest are by, and so left a pool of water to the iterations where oil was listed. */
+pbf_status pbf_phases_tell_used(pbf_solver *solver);
 
 /* How many there are, of which 0 is one, too, where there are none. */
 static inline uint32_t pbf_phases_count(const pbf_phases *phases) {

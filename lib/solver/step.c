@@ -11,6 +11,7 @@
 #include "look_ahead.h"
 #include "os.h"
 #include "overlap.h"
+#include "particles/phases.h"
 #include "plan.h"
 #include "prestabilize.h"
 #include "previous.h"
@@ -104,7 +105,9 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   pbf_before_projection before;
   const pbf_overlap_state overlap = solver->overlap;
   const double begin = pbf_solver_time(solver);
-  pbf_status status = pbf_prestabilize(solver, &before);
+  pbf_status status = pbf_phases_tell_used(solver);
+  if (status != PBF_OK) return status;
+  status = pbf_prestabilize(solver, &before);
   if (status == PBF_OK) status = run(solver, steps, done);
   if (*done > 0 || pbf_solver_time(solver) != begin) {
     pbf_prestabilize_accept(solver, &before);

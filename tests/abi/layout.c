@@ -365,7 +365,7 @@ AT(pbf_particles, velocities, 24);
 AT(pbf_particles, phase, 32);
 AT(pbf_particles, reserved, 36);
 
-SIZE(pbf_phase_table, 216);
+SIZE(pbf_phase_table, 224);
 AT(pbf_phase_table, struct_size, 0);
 AT(pbf_phase_table, count, 4);
 AT(pbf_phase_table, mobility, 8);
@@ -373,6 +373,8 @@ AT(pbf_phase_table, viscosity, 72);
 AT(pbf_phase_table, thickness, 136);
 AT(pbf_phase_table, thickest, 200);
 AT(pbf_phase_table, heaviest, 208);
+AT(pbf_phase_table, used, 216);
+AT(pbf_phase_table, reserved, 220);
 
 SIZE(pbf_rows, 24);
 AT(pbf_rows, struct_size, 0);
