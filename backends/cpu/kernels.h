@@ -155,8 +155,6 @@ struct shear_pass {
   pbf_real *rest[2]; /* … and of its components those that no vector has room for */
   field push;        /* and before that what walls push with; over masses, where these differ */
   field change;      /* of the velocity */
-  /* Whether no colliders contribute to particle i: the same for all instruction sets. */
-  int (*is_corrected)(const pair_pass *p, uint32_t i);
   const pbf_real *mobility, *mass; /* null: phases do not differ */
 };
 

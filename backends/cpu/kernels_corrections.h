@@ -48,15 +48,15 @@ PBF_FN pbf_real *part_of_deviator(const shear_pass *s, int k) {
 
 /* add_walls in all lanes. */
 static __attribute__((noinline)) void add_walls_to_lanes(const pair_pass *p, const lane_values *x,
+                                                         lane_boundary *restrict boundary,
                                                          lane_fabric *restrict f) {
   const pbf_constants c = *p->constants;
   const pbf_domain domain = p->contributing->domain;
-  lane_boundary boundary;
-  memset(&boundary, 0, sizeof boundary);
-  boundary_of_domain(p->constants, &p->contributing->domain, x, &boundary);
-  for (uint32_t l = 0; l < WIDTH; ++l) f->density[l] += boundary.density[l];
+  memset(boundary, 0, sizeof *boundary);
+  boundary_of_domain(p->constants, &p->contributing->domain, x, boundary);
+  for (uint32_t l = 0; l < WIDTH; ++l) f->density[l] += boundary->density[l];
   for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t l = 0; l < WIDTH; ++l) f->wall[k][l] += boundary.gradient.c[k][l];
+    for (uint32_t l = 0; l < WIDTH; ++l) f->wall[k][l] += boundary->gradient.c[k][l];
   for (int axis = 0; axis < PBF_DIM && !(domain.ghost_reach > 0); ++axis) {
     lane_walls walls = {{0}, {0}};
     if (!add_walls_of_axis(p->constants, &domain, axis, x, &walls)) continue;
@@ -83,10 +83,14 @@ static __attribute__((noinline)) void finish_deviators(const pbf_constants *cons
 }
 
 /* Of the particles of a group that colliders contribute to, which may lie in any way. */
-static __attribute__((noinline)) void clear_deviators(const pair_pass *p, const shear_pass *s,
-                                                      uint32_t g, lane_deviators *d) {
-  for (uint32_t l = 0; l < lanes_in_group(&p->lists, g); ++l)
-    for (int k = 0; k < PBF_DEVIATOR_DIM && !s->is_corrected(p, g * WIDTH + l); ++k) d->c[k][l] = 0;
+static __attribute__((noinline)) void clear_deviators(const pair_pass *p, const lane_values *x,
+                                                      const lane_boundary *by_walls,
+                                                      lane_deviators *restrict d) {
+  lane_boundary by_all;
+  boundary_of_group(p->constants, p->contributing, x, NULL, &by_all);
+  for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      d->c[k][l] = by_all.density[l] == by_walls->density[l] ? d->c[k][l] : 0;
 }
 
 static void deviator(const pair_pass *p, const shear_pass *s, uint32_t first, uint32_t last) {
@@ -97,13 +101,12 @@ static void deviator(const pair_pass *p, const shear_pass *s, uint32_t first, ui
     const int near = contributing_obstacles(p) && group_near_obstacles(p, g);
     alignas(64) lane_fabric fabric;
     alignas(64) lane_deviators d;
+    const lane_values x = values_of(load_vector(p->x, i));
+    lane_boundary by_walls;
     store_fabric(fabric_of_group(pass, p, g), &fabric);
-    if (near) {
-      const lane_values x = values_of(load_vector(p->x, i));
-      add_walls_to_lanes(p, &x, &fabric);
-    }
+    if (near) add_walls_to_lanes(p, &x, &by_walls, &fabric);
     finish_deviators(p->constants, &fabric, s->lambda + i, &d);
-    if (near && pbf_surface_count(*p->contributing)) clear_deviators(p, s, g, &d);
+    if (near && pbf_surface_count(*p->contributing)) clear_deviators(p, &x, &by_walls, &d);
     for (int k = 0; k < PBF_DEVIATOR_DIM; ++k)
       lane_store(part_of_deviator(s, k) + i, lane_load(d.c[k]));
     for (int k = 0; k < PBF_DIM; ++k) lane_store(s->push.c[k] + i, lane_load(fabric.wall[k]));

@@ -9,12 +9,6 @@
 #include "physics/passes/surface_tension.h"
 #include "physics/passes/viscosity.h"
 
-static int is_corrected(const pair_pass *p, uint32_t i) {
-  const pbf_vec x = field_at(&p->x, i);
-  return !colliders_contribute(p->constants,
-                               pbf_obstacles_near(*p->contributing, x, p->constants->h), x);
-}
-
 /* Runs a pass of shear_stress.h for a task's particles that are awake. */
 static void shear_awake(const worker *w, uint32_t task,
                         void (*pass)(const pair_pass *p, const shear_pass *s, uint32_t first,
@@ -26,7 +20,6 @@ static void shear_awake(const worker *w, uint32_t task,
                             {w->b.rest_of_deviator(0), w->b.rest_of_deviator(1)},
                             w->b.shear_push(),
                             w->b.shear_velocity(),
-                            is_corrected,
                             w->s->mobility,
                             w->s->mobility_around};
   for (range g = awake_groups(w, r.first, r.last); g.first < g.last;
