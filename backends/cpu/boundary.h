@@ -207,12 +207,16 @@ static __attribute__((noinline)) pbf_real clear_way_from(const pbf_constants *c,
   return way;
 }
 
+#include "cpu/boundary_solids.h"
+
 /* Notes how far each may go, from x. */
 static __attribute__((noinline)) void find_clear(const pbf_constants *c, const pbf_obstacles *o,
                                                  const lane_values *x, pbf_real *ways) {
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
-  const int met = obstacles_within(o, &these, clear_reach(c), &near);
+  int met = obstacles_around_group(o, &these, clear_reach(c), &near);
+  if (!BUILT_FOR_SIZE && met && ways_between_solids(c, &near, x, ways)) return;
+  if (met) met = obstacles_within(o, &these, clear_reach(c), &near);
   for (uint32_t l = 0; l < WIDTH; ++l)
     ways[l] = met ? clear_way_from(c, &near, lane_value(x, l)) : clear_reach(c);
 }
@@ -241,18 +245,26 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     boundary_of_domain(c, &o->domain, x, boundary);
     return;
   }
-  /* Where few are asked each looks for its own. */
-  const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
   pbf_obstacles near;
+  met_solids solids;
+  group_bounds these;
   int met = asked ? asked->any : 1;
-  if (met && !each_alone) {
-    const group_bounds these = bounds_of_group(x, x);
-    met = obstacles_within(o, &these, contribution_reach(c), &near);
+  if (met) {
+    these = bounds_of_group(x, x);
+    met = obstacles_around_group(o, &these, contribution_reach(c), &near);
   }
-  pbf_real distances[WIDTH];
+  alignas(64) pbf_real distances[WIDTH];
   if (domain_distances(o, x, distances) < contribution_reach(c))
     boundary_of_domain(c, &o->domain, x, boundary);
-  for (uint32_t l = 0; l < WIDTH && met; ++l) {
+  if (!met) return;
+  if (!BUILT_FOR_SIZE && meet_solids(c, &near, x, &solids)) {
+    boundary_of_solids(c, &o->domain, x, distances, &solids, boundary);
+    return;
+  }
+  /* Where few are asked each looks for its own. */
+  const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
+  if (!each_alone && !obstacles_within(o, &these, contribution_reach(c), &near)) return;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_boundary by_all;
     pbf_vec gradient = {{0}};
     if (asked && !asked->is[l]) continue;

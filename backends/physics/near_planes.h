@@ -40,11 +40,12 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
                              pbf_real reach, pbf_near_faces *faces, pbf_near_edges *edges,
                              pbf_field_planes *of_fields, Each each, Visit visit) {
   if (pbf_surface_is_beyond(s, x, reach)) return;
-  if (pbf_surface_is_field(s)) {
-    of_fields->fields += 1;
-    if (pbf_may_be_within(s, x, reach)) pbf_meet_field(c, s, solid, x, reach, each, of_fields);
-    return;
-  }
+  if constexpr (may_be_field<Surface>::value)
+    if (pbf_surface_is_field(s)) {
+      of_fields->fields += 1;
+      if (pbf_may_be_within(s, x, reach)) pbf_meet_field(c, s, solid, x, reach, each, of_fields);
+      return;
+    }
   const int planes = pbf_surface_planes(s);
   for (int plane = 0; plane < planes; ++plane) {
     pbf_vec normal;
@@ -72,8 +73,9 @@ PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, 
   plane.distance = pbf_surface_nearest(s, x, &plane.normal, &nearest);
   if (nearest != PBF_NEAREST_EDGE || !(plane.distance < reach)) return;
   pbf_real part = pbf_part_before_faces(c, faces, plane.distance, plane.normal);
-  if (planes->fields > 0 && part > 0)
-    part = pbf_real_min(part, pbf_part_beside_others(s, solid, x, reach, each, &plane));
+  if constexpr (may_be_field<Surface>::value)
+    if (planes->fields > 0 && part > 0)
+      part = pbf_real_min(part, pbf_part_beside_others(s, solid, x, reach, each, &plane));
   if (part > 0) visit(pbf_face_of_surface(s, solid, plane.distance, plane.normal), part);
 }
 

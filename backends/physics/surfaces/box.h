@@ -90,14 +90,12 @@ struct box_shape {
       *sides += d > 0;
       outside2 += out.c[k] * out.c[k];
     }
-    if (outside2 > 0) {
-      pbf_real distance = pbf_real_sqrt(outside2);
-      for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = out.c[k] / distance;
-      return distance;
+    const pbf_real distance = pbf_real_sqrt(outside2 > 0 ? outside2 : 1);
+    for (int k = 0; k < PBF_DIM; ++k) { /* of constant indices alone: registers have no others */
+      const pbf_real side = p.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
+      normal->c[k] = outside2 > 0 ? out.c[k] / distance : k != face ? 0 : side;
     }
-    for (int k = 0; k < PBF_DIM; ++k) /* of constant indices alone: registers have no others */
-      normal->c[k] = k != face ? 0 : p.c[k] < 0 ? (pbf_real)-1 : (pbf_real)1;
-    return inside;
+    return outside2 > 0 ? distance : inside;
   }
 };
 

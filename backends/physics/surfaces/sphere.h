@@ -22,9 +22,7 @@ struct sphere_shape {
   /* From the very center, out along an axis of the frame. */
   static PBF_IN pbf_real distance(const pbf_surface *s, pbf_vec p, pbf_vec *normal) {
     const pbf_real r = pbf_real_sqrt(pbf_dot(p, p));
-    *normal = s->frame[1];
-    if (r > 0)
-      for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = p.c[k] / r;
+    for (int k = 0; k < PBF_DIM; ++k) normal->c[k] = r > 0 ? p.c[k] / r : s->frame[1].c[k];
     return r - s->radius;
   }
 

@@ -39,6 +39,16 @@ PBF_FN auto ask_shape(const pbf_closed_surface *s, Ask question) {
   return closed_shapes::ask(s->shape, question);
 }
 
+/* Whether surfaces of such a type may be fields. */
+template <class Surface>
+struct may_be_field {
+  static constexpr bool value = false;
+};
+template <>
+struct may_be_field<pbf_surface> {
+  static constexpr bool value = true;
+};
+
 }  // namespace
 
 /* ---- Where it is --------------------------------------------------------------------------- */
@@ -193,6 +203,18 @@ typedef enum pbf_nearest_part {
   PBF_NEAREST_CURVED
 } pbf_nearest_part;
 
+/* Of p, which counts from the center of a surface of this shape; and how many axes of a box's frame
+ * it is beyond the faces of. */
+template <class Shape, class Surface>
+PBF_FN pbf_real pbf_shape_distance(Shape shape, const Surface *s, pbf_vec p, pbf_vec *normal,
+                                   int *sides) {
+  *sides = 0;
+  if constexpr ((int)Shape::ID == PBF_COLLIDER_BOX)
+    return shape.distance_and_sides(s, p, normal, sides);
+  else
+    return shape.distance(s, p, normal);
+}
+
 /* Distance of x from the surface, negative where the fluid must not be; *normal points to the
  * fluid, and *part is what of it is nearest. */
 template <class Surface>
@@ -200,13 +222,9 @@ PBF_FN_HOST_NOINLINE pbf_real pbf_surface_nearest(const Surface *s, pbf_vec x, p
                                                   pbf_nearest_part *part) {
   const pbf_vec p = pbf_sub(x, s->center);
   pbf_vec n;
-  int sides = 0;
-  const pbf_real distance = ask_shape(s, [&](auto shape) {
-    if constexpr ((int)decltype(shape)::ID == PBF_COLLIDER_BOX)
-      return shape.distance_and_sides(s, p, &n, &sides);
-    else
-      return shape.distance(s, p, &n);
-  });
+  int sides;
+  const pbf_real distance =
+      ask_shape(s, [&](auto shape) { return pbf_shape_distance(shape, s, p, &n, &sides); });
   const bool is_flat = s->shape == PBF_COLLIDER_PLANE || s->shape == PBF_COLLIDER_BOX;
   *part = !is_flat                   ? PBF_NEAREST_CURVED
           : s->sign > 0 && sides > 1 ? PBF_NEAREST_EDGE

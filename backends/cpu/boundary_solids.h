@@ -1,0 +1,208 @@
+/* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane,
+ * where all near it are boxes, balls and capsules that fluid is outside of: as pbf_boundary_at does
+ * to the bit. How far each is from all particles is found in lanes. Most particles that any is near
+ * are near one alone and no wall; what it contributes to these is found in lanes, too. */
+#ifndef PBF_CPU_BOUNDARY_SOLIDS_H
+#define PBF_CPU_BOUNDARY_SOLIDS_H
+
+namespace {
+
+/* The nearest plane of a solid to each particle of a group. */
+struct lane_planes {
+  alignas(64) pbf_real near[WIDTH];                   /* 1: it is within reach; 0 */
+  alignas(64) pbf_real distance[WIDTH], sides[WIDTH]; /* those of pbf_shape_distance, of what is
+                                                         curved -1 */
+  lane_values normal;
+};
+
+/* Those that are within reach of some. */
+enum { MET_SOLIDS = 6 };
+struct met_solids {
+  uint32_t count;
+  lane_planes of[MET_SOLIDS];
+};
+
+/* Calls meet(shape) for a solid of a closed form that fluid is outside of; 0: it is none. */
+template <class Meet>
+PBF_FN bool ask_solid(const pbf_surface *s, Meet meet) {
+  if (s->sign < 0 || s->shape == PBF_COLLIDER_PLANE || s->shape == PBF_COLLIDER_SHAPE) return false;
+  if (s->shape == PBF_COLLIDER_BOX)
+    meet(box_shape{});
+  else if (s->shape == PBF_COLLIDER_SPHERE)
+    meet(sphere_shape{});
+  else
+    meet(capsule_shape{});
+  return true;
+}
+
+template <class Shape>
+static __attribute__((noinline)) void find_planes(Shape shape, const pbf_surface *surface,
+                                                  const lane_values *x, pbf_real reach,
+                                                  lane_planes *restrict planes) {
+  const pbf_surface s = *surface;
+  const pbf_real far = s.bound + reach;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec normal;
+    int sides;
+    const pbf_vec p = pbf_sub(lane_value(x, l), s.center);
+    const pbf_real distance = pbf_shape_distance(shape, &s, p, &normal, &sides);
+    const pbf_real in_ball = pbf_dot(p, p) > far * far ? 0 : 1; /* pbf_surface_is_beyond */
+    planes->near[l] = distance < reach ? in_ball : 0;
+    planes->distance[l] = distance;
+    planes->sides[l] = (pbf_real)((int)Shape::ID == PBF_COLLIDER_BOX ? sides : -1);
+    for (int k = 0; k < PBF_DIM; ++k) planes->normal.c[k][l] = normal.c[k];
+  }
+}
+
+/* 0: there are others among these, or more than there is room for. */
+static __attribute__((noinline)) bool meet_solids(const pbf_constants *c, const pbf_obstacles *near,
+                                                  const lane_values *x, met_solids *met) {
+  const pbf_real reach = pbf_boundary_reach(c);
+  met->count = 0;
+  for (int k = 0; k < near->count; ++k) {
+    if (met->count == MET_SOLIDS) return false;
+    const pbf_surface *s = &near->surfaces[k];
+    lane_planes *planes = &met->of[met->count];
+    if (!ask_solid(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); })) return false;
+    met->count += (uint32_t)lane_any_below(ops<lane>::set(0), lane_load(planes->near));
+  }
+  return true;
+}
+
+/* One of a particle, in place of its surface, for pbf_each_near_plane. */
+struct met_plane {
+  const lane_planes *of;
+  uint32_t lane;
+};
+PBF_FN int pbf_surface_is_beyond(const met_plane *s, pbf_vec, pbf_real) {
+  return !(s->of->near[s->lane] > 0);
+}
+PBF_FN int pbf_surface_is_field(const met_plane *) { return 0; }
+PBF_FN int pbf_surface_is_unbounded(const met_plane *) { return 0; }
+PBF_FN int pbf_surface_planes(const met_plane *) { return 1; }
+PBF_FN pbf_real pbf_surface_nearest(const met_plane *s, pbf_vec, pbf_vec *normal,
+                                    pbf_nearest_part *part) {
+  *normal = lane_value(&s->of->normal, s->lane);
+  *part = s->of->sides[s->lane] > 1    ? PBF_NEAREST_EDGE
+          : s->of->sides[s->lane] >= 0 ? PBF_NEAREST_FACE
+                                       : PBF_NEAREST_CURVED;
+  return s->of->distance[s->lane];
+}
+PBF_FN pbf_real pbf_surface_plane_distance(const met_plane *s, int, int, pbf_vec x, pbf_vec *normal,
+                                           pbf_nearest_part *part) {
+  return pbf_surface_nearest(s, x, normal, part);
+}
+
+/* Which particles one solid alone is near, and no wall, and its plane. A wall within h has a say in
+ * what an edge does. */
+struct planes_alone {
+  alignas(64) pbf_real is[WIDTH];
+  lane_planes of;
+};
+
+static __attribute__((noinline)) void find_alone(const pbf_constants *c, const met_solids *met,
+                                                 const pbf_real to_wall[WIDTH],
+                                                 planes_alone *restrict alone) {
+  const pbf_real h = c->h, reach = contribution_reach(c);
+  memset(alone, 0, sizeof *alone);
+  for (uint32_t k = 0; k < met->count; ++k) {
+    const lane_planes *planes = &met->of[k];
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      const pbf_real near = planes->near[l];
+      alone->of.near[l] += near;
+      alone->of.distance[l] = near > 0 ? planes->distance[l] : alone->of.distance[l];
+      alone->of.sides[l] = near > 0 ? planes->sides[l] : alone->of.sides[l];
+      for (int a = 0; a < PBF_DIM; ++a)
+        alone->of.normal.c[a][l] = near > 0 ? planes->normal.c[a][l] : alone->of.normal.c[a][l];
+    }
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real clear = alone->of.sides[l] > 1 ? h : reach;
+    const pbf_real single = alone->of.near[l] == 1 ? 1 : 0;
+    alone->is[l] = to_wall[l] >= clear ? single : 0;
+    alone->of.distance[l] = alone->is[l] > 0 ? alone->of.distance[l] : h; /* out of reach */
+  }
+}
+
+static __attribute__((noinline)) void add_planes_alone(const pbf_constants *constants,
+                                                       const planes_alone *alone,
+                                                       lane_boundary *restrict boundary) {
+  const pbf_constants c = *constants;
+  lane_walls face = {{0}, {0}};
+  add_wall_lanes(constants, alone->of.distance, 1, &face);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_boundary by_plane = {0, 0, 0, {{0}}, {{0}}};
+    pbf_real density = 0;
+    pbf_vec gradient = {{0}};
+    const pbf_real slope = alone->of.distance[l] < -c.wall_offset ? 0 : face.slope[l];
+    const pbf_vec normal = lane_value(&alone->of.normal, l);
+    pbf_accumulate_plane(&c, face.value[l], slope, normal, &by_plane);
+    pbf_add_boundary(&by_plane, &density, &gradient);
+    boundary->density[l] = alone->is[l] > 0 ? density : boundary->density[l];
+    boundary->rest[l] = alone->is[l] > 0 ? by_plane.rest : boundary->rest[l];
+    for (int k = 0; k < PBF_DIM; ++k)
+      boundary->gradient.c[k][l] = alone->is[l] > 0 ? gradient.c[k] : boundary->gradient.c[k][l];
+  }
+}
+
+/* Of a particle that several are near, or a wall. */
+static __attribute__((noinline)) void add_planes_of(const pbf_constants *c,
+                                                    const pbf_domain *domain, const lane_values *x,
+                                                    pbf_real to_wall, const met_solids *met,
+                                                    uint32_t l, lane_boundary *boundary) {
+  const pbf_vec place = lane_value(x, l);
+  pbf_boundary by_all = {0, 0, 0, {{0}}, {{0}}};
+  pbf_vec gradient = {{0}};
+  const auto all = [&](auto visit) {
+    for (uint32_t k = 0; k < met->count; ++k) visit(met_plane{&met->of[k], l}, (int)k);
+  };
+  if (to_wall < contribution_reach(c)) by_all = pbf_boundary_of_domain(c, domain, place);
+  pbf_accumulate_surfaces(c, domain, place, all, &by_all);
+  boundary->density[l] = 0;
+  pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
+  boundary->rest[l] = by_all.rest;
+  set_lane(&boundary->gradient, l, gradient);
+}
+
+/* In place of what the domain contributes to those that solids are near. */
+static __attribute__((noinline)) void boundary_of_solids(
+    const pbf_constants *c, const pbf_domain *domain, const lane_values *x,
+    const pbf_real to_wall[WIDTH], const met_solids *met, lane_boundary *boundary) {
+  planes_alone alone;
+  if (met->count == 0) return;
+  find_alone(c, met, to_wall, &alone);
+  add_planes_alone(c, &alone, boundary);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    if (alone.of.near[l] > alone.is[l]) add_planes_of(c, domain, x, to_wall[l], met, l, boundary);
+}
+
+/* clear_way_from in all lanes, of one solid. */
+template <class Shape>
+static __attribute__((noinline)) void shorten_ways(Shape shape, const pbf_surface *surface,
+                                                   const lane_values *x, pbf_real *restrict ways) {
+  const pbf_surface s = *surface;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec normal;
+    int sides;
+    const pbf_vec p = pbf_sub(lane_value(x, l), s.center);
+    const pbf_real distance =
+        pbf_shape_distance(shape, &s, p, &normal, &sides) - 2 * s.skin - 16 * s.rounding;
+    ways[l] = distance > 0 ? pbf_real_min(ways[l], distance) : 0;
+  }
+}
+
+/* … of some; 0: there are others among these. */
+PBF_FN bool ways_between_solids(const pbf_constants *c, const pbf_obstacles *near,
+                                const lane_values *x, pbf_real ways[WIDTH]) {
+  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
+  for (int k = 0; k < near->count; ++k) {
+    const pbf_surface *s = &near->surfaces[k];
+    if (16 * s->skin > clear_way(c)) return false;
+    if (!ask_solid(s, [&](auto shape) { shorten_ways(shape, s, x, ways); })) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+#endif
