@@ -288,14 +288,14 @@ typedef struct kernels {
 
   /* The pressure grid's, over particles … */
   void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
-                  const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
-                  uint32_t last);
+                  pbf_real *densities, const pbf_real *overlaps, uint32_t first,
+                  uint32_t last); /* has the particles' cells in place of densities then */
   void (*deposit_moves)(const pbf_pressure_grid_storage *storage, field x, field v,
                         field acceleration, uint32_t first,
                         uint32_t last); /* where forces differ from particle to particle */
   void (*apply_correction)(const pbf_pressure_grid_storage *storage, const pbf_obstacles *obstacles,
-                           const pbf_real *mobility, pbf_real inv_time_step, field x, field v,
-                           uint32_t first, uint32_t last);
+                           const pbf_real *mobility, const pbf_real *cells, pbf_real inv_time_step,
+                           field x, field v, uint32_t first, uint32_t last);
   /* … and over nodes: kernels_pressure_grid.h. */
   void (*equations)(const pbf_pressure_grid_storage *storage,
                     const pbf_pressure_grid_source_scale *source_scale, const int i[PBF_DIM],

@@ -46,6 +46,27 @@ static __attribute__((noinline)) void find_compartments(const pbf_pressure_grid_
   }
 }
 
+/* Keeps the cells of particles and compartments, for as long as they stay where they are. */
+PBF_FN void keep_cells(const uint32_t *cells, uint32_t count, pbf_real *kept) {
+  for (uint32_t l = 0; l < count; ++l) memcpy(&kept[l], &cells[l], sizeof cells[l]);
+}
+
+/* Those that have been kept. */
+static __attribute__((noinline)) void fetch_compartments(const pbf_pressure_grid_storage *storage,
+                                                         const pbf_real *kept, const field *x,
+                                                         uint32_t first, uint32_t count,
+                                                         pressure_grid_places *places) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  for (uint32_t l = 0; l < count; ++l) {
+    double at[PBF_DIM];
+    if (!pbf_cell_is_cut(t, places->cells[l])) continue;
+    memcpy(&places->cells[l], &kept[first + l], sizeof places->cells[l]);
+    if (places->cells[l] == PBF_NO_INDEX) continue;
+    pbf_place_in_compartment(&storage->grid, t, places->cells[l], field_at(x, first + l), at);
+    for (int k = 0; k < PBF_DIM; ++k) places->at[k][l] = at[k];
+  }
+}
+
 PBF_FN uint32_t pressure_grid_chunk(uint32_t first, uint32_t last) {
   return last - first < PRESSURE_GRID_CHUNK ? last - first : (uint32_t)PRESSURE_GRID_CHUNK;
 }
@@ -66,9 +87,9 @@ PBF_FN void add_entries(const pbf_pressure_grid_storage *storage, const uint32_t
   }
 }
 
+/* Leaves the cells of particles in place of their densities. */
 static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, field x,
-                    const pbf_real *densities, const pbf_real *overlaps, uint32_t first,
-                    uint32_t last) {
+                    pbf_real *densities, const pbf_real *overlaps, uint32_t first, uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
   for (uint32_t count; first < last; first += count) {
     pressure_grid_places places;
@@ -85,6 +106,7 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
       within[l] = pbf_pressure_grid_place_entry(at);
     }
     add_entries(storage, places.cells, entries, within, count);
+    if (storage->topology.surface_count) keep_cells(places.cells, count, densities + first);
   }
 }
 
@@ -175,8 +197,8 @@ PBF_FN void keep_moves(const pbf_obstacles *obstacles, const field *x, uint32_t 
 /* Past these obstacles, unless null; by mobilities where phases differ. */
 static void apply_correction(const pbf_pressure_grid_storage *storage,
                              const pbf_obstacles *obstacles, const pbf_real *mobility,
-                             pbf_real inv_time_step, field x, field v, uint32_t first,
-                             uint32_t last) {
+                             const pbf_real *cells, pbf_real inv_time_step, field x, field v,
+                             uint32_t first, uint32_t last) {
   const pbf_pressure_grid c = storage->grid;
   const pbf_real carried = (pbf_real)storage->carried;
   for (uint32_t count; first < last; first += count) {
@@ -185,7 +207,8 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
     pressure_grid_moves moves;
     count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
-    if (storage->topology.surface_count) find_compartments(storage, &x, first, count, &places);
+    if (storage->topology.surface_count)
+      fetch_compartments(storage, cells, &x, first, count, &places);
     fetch_corners(storage, places.cells, count, &corners);
     find_moves(&c, &corners, &places, count, &moves);
     for (int k = 0; k < PBF_DIM && mobility; ++k)

@@ -60,7 +60,7 @@ static void apply_correction_task(void *context, uint32_t task) {
   for (range r = awake_particles(w, all.first, all.last); r.first < r.last;
        r = awake_particles(w, r.last, all.last))
     s->kernels->apply_correction(&s->pressure_grid, collides ? &w->obstacles : NULL, s->mobility,
-                                 w->forces.inv_time_step, w->b.sorted_predicted,
+                                 grid_densities(s), w->forces.inv_time_step, w->b.sorted_predicted,
                                  w->b.sorted_velocity, r.first, r.last);
   fill_packed(s, packed_positions(s), &w->b.sorted_predicted, s->mobility, all);
 }

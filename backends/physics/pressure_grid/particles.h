@@ -113,23 +113,30 @@ PBF_FN_HOST_NOINLINE uint32_t pbf_nearest_compartment(const pbf_pressure_grid *c
   return nearest;
 }
 
-/* What a particle at x, `before` cells and `at` in the one that it is in, belongs to: the cell, or
- * the compartment that has it, with its place in the cell of that, which may be beyond its edge. */
+/* Where in the cell of a compartment a particle at x is, which may be beyond its edge. */
+template <class Topology>
+PBF_FN void pbf_place_in_compartment(const pbf_pressure_grid *c, const Topology *t,
+                                     uint32_t compartment, pbf_vec x, double at[PBF_DIM]) {
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    at[k] = pbf_pressure_grid_before(c, k, x.c[k]) - (i[k] - 1);
+    if (c->wrap[k] && fabs(at[k] - 0.5) > 0.5 * c->n[k]) at[k] += at[k] < 0 ? c->n[k] : -c->n[k];
+  }
+}
+
+/* What a particle at x, `at` in the cell that it is in, belongs to: the cell, or the compartment
+ * that has it, with its place in the cell of that. */
 template <class Topology>
 PBF_FN uint32_t pbf_compartment_of(const pbf_pressure_grid *c, const Topology *t, uint32_t cell,
                                    pbf_vec x, double at[PBF_DIM]) {
   if (!pbf_cell_is_cut(t, cell)) return cell;
   double before[PBF_DIM];
-  int i[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k) before[k] = pbf_pressure_grid_before(c, k, x.c[k]);
   uint32_t compartment = pbf_nearest_compartment(c, t, x, before);
   if (compartment == PBF_NO_INDEX) return compartment;
   if (!pbf_compartment_is_own(t, compartment)) compartment = t->target[compartment];
-  pbf_pressure_grid_place(c, pbf_compartment_cell(t, compartment), i);
-  for (int k = 0; k < PBF_DIM; ++k) {
-    at[k] = before[k] - (i[k] - 1);
-    if (c->wrap[k] && fabs(at[k] - 0.5) > 0.5 * c->n[k]) at[k] += at[k] < 0 ? c->n[k] : -c->n[k];
-  }
+  pbf_place_in_compartment(c, t, compartment, x, at);
   return compartment;
 }
 
