@@ -3,8 +3,7 @@
 #ifndef PBF_CPU_BOUNDARY_H
 #define PBF_CPU_BOUNDARY_H
 
-#include "cpu/kernels_collide.h"
-#include "cpu/lane_values.h"
+#include "cpu/clear_lanes.h"
 #include "physics/boundary.h"
 
 /* Distance of each particle from the nearest wall; the smallest of them. Most groups are far from
@@ -145,23 +144,6 @@ static __attribute__((noinline)) void boundary_of_domain(const pbf_constants *c,
       boundary->gradient.c[k][l] = slopes.c[k][l] + additive_slopes.c[k][l];
 }
 
-/* Of a group's particles, on their way from `from`. */
-static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values *from,
-                                                              const lane_values *x) {
-  pbf_vec lower = lane_value(x, 0), upper = lower;
-  pbf_real way2 = 0;
-  for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t l = 0; l < WIDTH; ++l) {
-      lower.c[k] = pbf_real_min(lower.c[k], pbf_real_min(x->c[k][l], from->c[k][l]));
-      upper.c[k] = pbf_real_max(upper.c[k], pbf_real_max(x->c[k][l], from->c[k][l]));
-    }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec way = pbf_sub(lane_value(x, l), lane_value(from, l));
-    way2 = pbf_real_max(way2, pbf_dot(way, way));
-  }
-  return bounds_between(lower, upper, pbf_real_sqrt(way2));
-}
-
 /* pbf_boundary_at a particle beside some surfaces; 0: none of them is near it. Walls at least
  * contribution_reach away contribute nothing, and are not asked then. */
 static __attribute__((noinline)) int boundary_by_surfaces(const pbf_constants *c,
@@ -214,8 +196,11 @@ static __attribute__((noinline)) void find_clear(const pbf_constants *c, const p
                                                  const lane_values *x, pbf_real *ways) {
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
-  int met = obstacles_around_group(o, &these, clear_reach(c), &near);
-  if (!BUILT_FOR_SIZE && met && ways_between_solids(c, &near, x, ways)) return;
+  int met = obstacles_around_group(o, &these, clear_reach(c), &near), known = !BUILT_FOR_SIZE;
+  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
+  for (int k = 0; k < near.count && known; ++k)
+    known = !(16 * near.surfaces[k].skin > clear_way(c));
+  if (known && shorten_ways_by(&near, x, ways)) return;
   if (met) met = obstacles_within(o, &these, clear_reach(c), &near);
   for (uint32_t l = 0; l < WIDTH; ++l)
     ways[l] = met ? clear_way_from(c, &near, lane_value(x, l)) : clear_reach(c);

@@ -22,19 +22,6 @@ struct met_solids {
   lane_planes of[MET_SOLIDS];
 };
 
-/* Calls meet(shape) for a solid of a closed form that fluid is outside of; 0: it is none. */
-template <class Meet>
-PBF_FN bool ask_solid(const pbf_surface *s, Meet meet) {
-  if (s->sign < 0 || s->shape == PBF_COLLIDER_PLANE || s->shape == PBF_COLLIDER_SHAPE) return false;
-  if (s->shape == PBF_COLLIDER_BOX)
-    meet(box_shape{});
-  else if (s->shape == PBF_COLLIDER_SPHERE)
-    meet(sphere_shape{});
-  else
-    meet(capsule_shape{});
-  return true;
-}
-
 template <class Shape>
 static __attribute__((noinline)) void find_planes(Shape shape, const pbf_surface *surface,
                                                   const lane_values *x, pbf_real reach,
@@ -63,7 +50,8 @@ static __attribute__((noinline)) bool meet_solids(const pbf_constants *c, const 
     if (met->count == MET_SOLIDS) return false;
     const pbf_surface *s = &near->surfaces[k];
     lane_planes *planes = &met->of[met->count];
-    if (!ask_solid(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); })) return false;
+    if (s->sign < 0 || s->shape == PBF_COLLIDER_PLANE) return false;
+    if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); })) return false;
     met->count += (uint32_t)lane_any_below(ops<lane>::set(0), lane_load(planes->near));
   }
   return true;
@@ -174,33 +162,6 @@ static __attribute__((noinline)) void boundary_of_solids(
   add_planes_alone(c, &alone, boundary);
   for (uint32_t l = 0; l < WIDTH; ++l)
     if (alone.of.near[l] > alone.is[l]) add_planes_of(c, domain, x, to_wall[l], met, l, boundary);
-}
-
-/* clear_way_from in all lanes, of one solid. */
-template <class Shape>
-static __attribute__((noinline)) void shorten_ways(Shape shape, const pbf_surface *surface,
-                                                   const lane_values *x, pbf_real *restrict ways) {
-  const pbf_surface s = *surface;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec normal;
-    int sides;
-    const pbf_vec p = pbf_sub(lane_value(x, l), s.center);
-    const pbf_real distance =
-        pbf_shape_distance(shape, &s, p, &normal, &sides) - 2 * s.skin - 16 * s.rounding;
-    ways[l] = distance > 0 ? pbf_real_min(ways[l], distance) : 0;
-  }
-}
-
-/* … of some; 0: there are others among these. */
-PBF_FN bool ways_between_solids(const pbf_constants *c, const pbf_obstacles *near,
-                                const lane_values *x, pbf_real ways[WIDTH]) {
-  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
-  for (int k = 0; k < near->count; ++k) {
-    const pbf_surface *s = &near->surfaces[k];
-    if (16 * s->skin > clear_way(c)) return false;
-    if (!ask_solid(s, [&](auto shape) { shorten_ways(shape, s, x, ways); })) return false;
-  }
-  return true;
 }
 
 }  // namespace

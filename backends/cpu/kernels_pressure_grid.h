@@ -3,8 +3,7 @@
 #ifndef PBF_CPU_KERNELS_PRESSURE_GRID_H
 #define PBF_CPU_KERNELS_PRESSURE_GRID_H
 
-#include "cpu/kernels.h"
-#include "physics/collide.h"
+#include "cpu/clear_lanes.h"
 
 /* Particles whose cells are found before anything else is done with them. */
 enum { PRESSURE_GRID_CHUNK = 64 };
@@ -183,14 +182,38 @@ static __attribute__((noinline)) void find_moves(const pbf_pressure_grid *of,
   }
 }
 
-/* What of them is left. */
+/* What is left of the moves of a group's particles from x. */
+static __attribute__((noinline)) void keep_group(const pbf_obstacles *obstacles,
+                                                 const lane_values *x, uint32_t lanes,
+                                                 lane_values *moves) {
+  lane_values ends, kept;
+  lane_marks clear;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) ends.c[k][l] = x->c[k][l] + moves->c[k][l];
+  kept = ends;
+  clamp_group(obstacles, &kept);
+  const bool known = !BUILT_FOR_SIZE && find_clear_lanes(obstacles, 0, x, &ends, &kept, &clear);
+  for (uint32_t l = 0; l < lanes; ++l) {
+    const pbf_vec from = lane_value(x, l);
+    set_lane(moves, l,
+             known && clear.is[l] > 0 ? pbf_sub(lane_value(&kept, l), from)
+                                      : move_past_obstacles(obstacles, from, lane_value(moves, l)));
+  }
+}
+
+/* … of all. */
 PBF_FN void keep_moves(const pbf_obstacles *obstacles, const field *x, uint32_t first,
                        uint32_t count, pressure_grid_moves *moves) {
-  for (uint32_t l = 0; l < count; ++l) {
-    pbf_vec u;
-    for (int k = 0; k < PBF_DIM; ++k) u.c[k] = moves->along[k][l];
-    u = move_past_obstacles(obstacles, field_at(x, first + l), u);
-    for (int k = 0; k < PBF_DIM; ++k) moves->along[k][l] = u.c[k];
+  for (uint32_t begin = 0; begin < count; begin += WIDTH) {
+    const uint32_t left = count - begin, lanes = left < WIDTH ? left : (uint32_t)WIDTH;
+    const lane_values from = load_some_lanes(x, first + begin, lanes);
+    lane_values of;
+    memset(&of, 0, sizeof of);
+    for (int k = 0; k < PBF_DIM; ++k)
+      memcpy(of.c[k], moves->along[k] + begin, lanes * sizeof(pbf_real));
+    keep_group(obstacles, &from, lanes, &of);
+    for (int k = 0; k < PBF_DIM; ++k)
+      memcpy(moves->along[k] + begin, of.c[k], lanes * sizeof(pbf_real));
   }
 }
 

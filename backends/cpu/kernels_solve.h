@@ -226,23 +226,6 @@ PBF_FN void correct_change(const pair_pass *p, const pbf_real *lambda, uint32_t 
   }
 }
 
-/* Whether the domain leaves all lanes where they are; it does not what is no number. */
-PBF_FN bool is_inside(const pbf_domain *domain, const lane_values *x) {
-  bool inside = true;
-  for (int k = 0; k < PBF_DIM; ++k)
-    inside = inside && lane_all_below(ops<lane>::set(domain->lower.c[k]), lane_load(x->c[k])) &&
-             lane_all_below(lane_load(x->c[k]), ops<lane>::set(domain->upper.c[k]));
-  return inside;
-}
-
-PBF_FN void clamp_group(const pbf_obstacles *obstacles, lane_values *x) {
-  if (is_inside(&obstacles->domain, x)) return;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec clamped = pbf_keep_in_domain(&obstacles->domain, lane_value(x, l));
-    set_lane(x, l, clamped);
-  }
-}
-
 /* Those that may meet colliders on their ways: a fourth of the way that is clear, as the domain
  * pushes a particle by no more than twice what it is out of it. */
 static __attribute__((noinline)) lanes_asked lanes_under_way(const pair_pass *p,

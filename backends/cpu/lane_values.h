@@ -35,6 +35,14 @@ PBF_FN lane_values load_lanes(const field *f, uint32_t first, uint32_t lanes) {
   return a;
 }
 
+/* The same, with the first one in all other lanes. */
+PBF_FN lane_values load_some_lanes(const field *f, uint32_t first, uint32_t lanes) {
+  lane_values a = load_lanes(f, first, lanes);
+  for (uint32_t l = lanes; l < WIDTH; ++l)
+    for (int k = 0; k < PBF_DIM; ++k) a.c[k][l] = a.c[k][0];
+  return a;
+}
+
 PBF_FN void store_lanes(const field *f, uint32_t first, uint32_t lanes, const lane_values *a) {
   for (int k = 0; k < PBF_DIM; ++k) memcpy(f->c[k] + first, a->c[k], lanes * sizeof(pbf_real));
 }
