@@ -2,7 +2,6 @@
 #ifndef PBF_CPU_KERNELS_COLLIDE_H
 #define PBF_CPU_KERNELS_COLLIDE_H
 
-#include "cpu/kernels.h"
 #include "cpu/broad_phase.h"
 
 /* Whether a particle meets no collider, where it stands, between `from` and where the domain keeps

@@ -2,6 +2,7 @@
 #ifndef PBF_CPU_KERNELS_PARTICLES_H
 #define PBF_CPU_KERNELS_PARTICLES_H
 
+#include "cpu/kernels.h"
 #include "cpu/kernels_collide.h"
 #include "cpu/lane_values.h"
 #include "physics/passes/density.h"

@@ -4,6 +4,7 @@
 #define PBF_CPU_KERNELS_PRESSURE_GRID_H
 
 #include "cpu/clear_lanes.h"
+#include "cpu/kernels_collide.h"
 
 /* Particles whose cells are found before anything else is done with them. */
 enum { PRESSURE_GRID_CHUNK = 64 };

@@ -111,7 +111,8 @@ PBF_FN pbf_real way_along_axes(pbf_vec from, pbf_vec x) {
 
 namespace {
 
-/* How far what has no other side, and the domain, push one of them before others are asked. */
+/* How far what has no other side, and the domain, push one of them before others are asked: by its
+ * depth, of which they give back half at most. */
 template <class Surfaces>
 PBF_FN pbf_real way_kept_before(const pbf_domain *domain, const Surfaces &surfaces,
                                 const group_bounds *of, int with_obstacle_motion) {
@@ -120,7 +121,7 @@ PBF_FN pbf_real way_kept_before(const pbf_domain *domain, const Surfaces &surfac
     if (!pbf_surface_is_unbounded(&s)) return;
     pushed += way_pushed(of, &s, INFINITY) + (with_obstacle_motion ? way_of_carried(of, &s) : 0);
   });
-  return pushed;
+  return (pbf_real)1.5 * pushed;
 }
 
 /* How far these and the domain push one of them: where it goes first, one after another; and then

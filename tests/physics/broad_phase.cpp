@@ -2,7 +2,7 @@
  * and lend it nothing. */
 #include "support.h"
 
-#include "cpu/broad_phase.h"
+#include "cpu/kernels_collide.h"
 #include "physics/listed.h"
 #include "support/amount.h"
 #include "support/random.h"
@@ -225,6 +225,59 @@ static int check_listed(const crowd *s, const group *g, int with_obstacle_motion
   return moved;
 }
 
+/* And on a CPU, where it asks first for those that it may be the first to meet. */
+static void those_that_are_met_first_are_enough(void **state) {
+  (void)state;
+  static crowd s;
+  uint64_t random = 11;
+  int moved = 0;
+  for (int scene = 0; scene < 10 * scenes_of_many(); ++scene) {
+    make_small_crowd(&random, &s);
+    add_grid(&s, (pbf_real)0.1);
+    const group g = random_group(&random);
+    for (int i = 0; i < PARTICLES; ++i) {
+      const pbf_vec from = g.from[i], x = g.x[i], kept = pbf_keep_in_domain(&s.o.domain, x);
+      const pbf_vec by_all = pbf_resolve_collisions(s.o, scene % 2, from, x);
+      const pbf_vec alone = resolve_alone(&s.o, scene % 2, from, x);
+      if (memcmp(&by_all, &alone, sizeof by_all) != 0)
+        fail_msg("scene %d: those met first move particle %d elsewhere", scene, i);
+      moved += memcmp(&by_all, &kept, sizeof by_all) != 0;
+    }
+  }
+  assert_true(moved > scenes_of_many());
+}
+
+static pbf_surface placed_surface(uint32_t shape, double radius, double y) {
+  pbf_collider c;
+  memset(&c, 0, sizeof c);
+  c.shape = shape;
+  c.radius = radius;
+  c.axis[1] = c.orientation[3] = 1;
+  c.position[1] = y;
+  return pbf_surface_at(&c, 0, 1);
+}
+
+/* What has been found 0.3 behind a plane is given back half of that before it, at 0.15, where there
+ * is a ball of 0.05: 0.4 from where it began. */
+static void what_a_plane_gives_back_meets_a_ball(void **state) {
+  (void)state;
+  static crowd s;
+  begin_crowd(&s, MOST);
+  for (int k = 0; k < PBF_DIM; ++k) s.o.domain.lower.c[k] = -3, s.o.domain.upper.c[k] = 3;
+  s.o.domain.bounce_depth = (pbf_real)0.5;
+  for (int k = 0; k < MOST; ++k)
+    s.surfaces[k] = placed_surface(PBF_COLLIDER_SPHERE, 0.05, k ? 2.5 : 0.15);
+  s.surfaces[1] = placed_surface(PBF_COLLIDER_PLANE, 0, 0);
+  for (int k = 0; k < MOST; ++k) s.surfaces[k].prediction_push = (pbf_real)INFINITY;
+  add_grid(&s, (pbf_real)0.02);
+  pbf_vec x = {{0}}, normal;
+  x.c[1] = (pbf_real)-0.3;
+  const pbf_vec end = resolve_alone(&s.o, 1, x, x);
+  assert_true(end.c[1] > 0);
+  if (!(pbf_surface_distance(&s.surfaces[0], end, &normal) > -1e-6))
+    fail_msg("it is left at %g, in the ball", (double)end.c[1]);
+}
+
 /* Of narrow cells and wide ones, on ways through one cell and through many. */
 static void one_by_one_it_leaves_out_no_more(void **state) {
   (void)state;
@@ -298,6 +351,8 @@ int main(void) {
       cmocka_unit_test(the_surfaces_left_out_change_nothing),
       cmocka_unit_test(a_grid_leaves_out_no_more),
       cmocka_unit_test(one_by_one_it_leaves_out_no_more),
+      cmocka_unit_test(those_that_are_met_first_are_enough),
+      cmocka_unit_test(what_a_plane_gives_back_meets_a_ball),
       cmocka_unit_test(a_place_is_told_of_all_that_are_near),
       cmocka_unit_test(what_is_not_near_lends_nothing),
   };
