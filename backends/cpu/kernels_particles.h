@@ -2,9 +2,8 @@
 #ifndef PBF_CPU_KERNELS_PARTICLES_H
 #define PBF_CPU_KERNELS_PARTICLES_H
 
-#include "cpu/kernels.h"
+#include "cpu/clear_lanes.h"
 #include "cpu/kernels_collide.h"
-#include "cpu/lane_values.h"
 #include "physics/passes/density.h"
 #include "physics/passes/predict.h"
 #include "physics/passes/start.h"
@@ -32,6 +31,28 @@ static group_bounds bounds_of_range(const field *from, const field *x, uint32_t 
   return bounds_between(lower, upper, pbf_real_sqrt(way2));
 }
 
+/* As many particles as there are lanes, or fewer: those that meet a collider alone ask for those
+ * that they may meet. False: nothing is known of any. */
+static __attribute__((noinline)) bool collide_lanes(const pbf_obstacles *o,
+                                                    int with_obstacle_motion, const field *from,
+                                                    const field *x, uint32_t first,
+                                                    uint32_t lanes) {
+  const lane_values starts = load_some_lanes(from, first, lanes);
+  const lane_values ends = load_some_lanes(x, first, lanes);
+  lane_values kept = ends;
+  lane_marks clear;
+  clamp_group(o, &kept);
+  if (!find_clear_lanes(o, with_obstacle_motion, &starts, &ends, &kept, &clear)) return false;
+  if (!o->grid && lane_any_below(lane_load(clear.is), ops<lane>::set(1))) return false;
+  for (uint32_t l = 0; l < lanes; ++l)
+    if (!(clear.is[l] > 0))
+      set_lane(
+          &kept, l,
+          resolve_alone(o, with_obstacle_motion, lane_value(&starts, l), lane_value(&ends, l)));
+  store_lanes(x, first, lanes, &kept);
+  return true;
+}
+
 /* Particles on their way from `from` to x; from before the obstacles moved where
  * `with_obstacle_motion`. */
 static __attribute__((noinline)) void collide_range(const pbf_obstacles *o,
@@ -40,6 +61,14 @@ static __attribute__((noinline)) void collide_range(const pbf_obstacles *o,
   enum { AT_ONCE = 32, OF_MANY_AT_ONCE = 8 };
   if (pbf_surface_count(*o) == 0) {
     clamp_range(&o->domain, x, first, last);
+    return;
+  }
+  if (!BUILT_FOR_SIZE && last - first > WIDTH) {
+    for (uint32_t begin = first, lanes; begin < last; begin += lanes) {
+      lanes = last - begin < WIDTH ? last - begin : (uint32_t)WIDTH;
+      if (!collide_lanes(o, with_obstacle_motion, &from, &x, begin, lanes))
+        collide_range(o, with_obstacle_motion, from, x, begin, begin + lanes);
+    }
     return;
   }
   const uint32_t most = o->grid ? (uint32_t)OF_MANY_AT_ONCE : (uint32_t)AT_ONCE;
