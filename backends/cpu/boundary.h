@@ -191,17 +191,23 @@ static __attribute__((noinline)) pbf_real clear_way_from(const pbf_constants *c,
 
 #include "cpu/boundary_solids.h"
 
+/* clear_way_from in all lanes; false: one of these has no closed form, or too thick a skin. */
+PBF_FN bool clear_ways_from(const pbf_constants *c, const pbf_obstacles *near, const lane_values *x,
+                            pbf_real *ways) {
+  for (int k = 0; k < near->count; ++k)
+    if (16 * near->surfaces[k].skin > clear_way(c)) return false;
+  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
+  return shorten_ways_by(near, x, ways);
+}
+
 /* Notes how far each may go, from x. */
 static __attribute__((noinline)) void find_clear(const pbf_constants *c, const pbf_obstacles *o,
                                                  const lane_values *x, pbf_real *ways) {
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
-  int met = obstacles_around_group(o, &these, clear_reach(c), &near), known = !BUILT_FOR_SIZE;
-  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
-  for (int k = 0; k < near.count && known; ++k)
-    known = !(16 * near.surfaces[k].skin > clear_way(c));
-  if (known && shorten_ways_by(&near, x, ways)) return;
-  if (met) met = obstacles_within(o, &these, clear_reach(c), &near);
+  obstacles_around_group(o, &these, clear_reach(c), &near);
+  if (!BUILT_FOR_SIZE && clear_ways_from(c, &near, x, ways)) return;
+  const int met = obstacles_within(o, &these, clear_reach(c), &near);
   for (uint32_t l = 0; l < WIDTH; ++l)
     ways[l] = met ? clear_way_from(c, &near, lane_value(x, l)) : clear_reach(c);
 }
@@ -219,6 +225,29 @@ static __attribute__((noinline)) lanes_asked lanes_beyond(const pbf_real ways[WI
   return asked;
 }
 
+/* pbf_boundary_at those of a group that are asked, one by one: of what has no closed form, or fluid
+ * inside. */
+PBF_FN void boundary_one_by_one(const pbf_constants *c, const pbf_obstacles *o,
+                                const group_bounds *these, const lane_values *x,
+                                const pbf_real to_wall[WIDTH], const lanes_asked *asked,
+                                lane_boundary *boundary) {
+  /* Where few are asked each looks for its own. */
+  const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
+  pbf_obstacles near;
+  if (!each_alone && !obstacles_within(o, these, contribution_reach(c), &near)) return;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_boundary by_all;
+    pbf_vec gradient = {{0}};
+    if (asked && !asked->is[l]) continue;
+    if (each_alone) near = pbf_obstacles_near(*o, lane_value(x, l), c->h);
+    if (!boundary_by_surfaces(c, &near, lane_value(x, l), to_wall[l], &by_all)) continue;
+    boundary->density[l] = 0;
+    pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
+    boundary->rest[l] = by_all.rest;
+    set_lane(&boundary->gradient, l, gradient);
+  }
+}
+
 /* pbf_boundary_at in all lanes; of lanes that are not asked no collider is near. */
 static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
                                                         const pbf_obstacles *o,
@@ -230,36 +259,18 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
     boundary_of_domain(c, &o->domain, x, boundary);
     return;
   }
+  alignas(64) pbf_real to_wall[WIDTH];
+  if (domain_distances(o, x, to_wall) < contribution_reach(c))
+    boundary_of_domain(c, &o->domain, x, boundary);
+  if (asked && !asked->any) return;
   pbf_obstacles near;
   met_solids solids;
-  group_bounds these;
-  int met = asked ? asked->any : 1;
-  if (met) {
-    these = bounds_of_group(x, x);
-    met = obstacles_around_group(o, &these, contribution_reach(c), &near);
-  }
-  alignas(64) pbf_real distances[WIDTH];
-  if (domain_distances(o, x, distances) < contribution_reach(c))
-    boundary_of_domain(c, &o->domain, x, boundary);
-  if (!met) return;
-  if (!BUILT_FOR_SIZE && meet_solids(c, &near, x, &solids)) {
-    boundary_of_solids(c, &o->domain, x, distances, &solids, boundary);
-    return;
-  }
-  /* Where few are asked each looks for its own. */
-  const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
-  if (!each_alone && !obstacles_within(o, &these, contribution_reach(c), &near)) return;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_boundary by_all;
-    pbf_vec gradient = {{0}};
-    if (asked && !asked->is[l]) continue;
-    if (each_alone) near = pbf_obstacles_near(*o, lane_value(x, l), c->h);
-    if (!boundary_by_surfaces(c, &near, lane_value(x, l), distances[l], &by_all)) continue;
-    boundary->density[l] = 0;
-    pbf_add_boundary(&by_all, &boundary->density[l], &gradient);
-    boundary->rest[l] = by_all.rest;
-    set_lane(&boundary->gradient, l, gradient);
-  }
+  const group_bounds these = bounds_of_group(x, x);
+  if (!obstacles_around_group(o, &these, contribution_reach(c), &near)) return;
+  if (!BUILT_FOR_SIZE && meet_solids(c, &near, x, &solids))
+    boundary_of_solids(c, &o->domain, x, to_wall, &solids, boundary);
+  else
+    boundary_one_by_one(c, o, &these, x, to_wall, asked, boundary);
 }
 
 #endif

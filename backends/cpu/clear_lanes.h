@@ -43,19 +43,11 @@ static __attribute__((noinline)) group_bounds bounds_of_group(const lane_values 
 
 namespace {
 
-/* Calls ask(shape) with the shape of a surface; false: it has no closed form. */
+/* Calls question(shape) with the shape of a surface; false: it has no closed form. */
 template <class Ask>
 PBF_FN bool ask_closed(const pbf_surface *s, Ask question) {
-  if (s->shape == PBF_COLLIDER_BOX)
-    question(box_shape{});
-  else if (s->shape == PBF_COLLIDER_SPHERE)
-    question(sphere_shape{});
-  else if (s->shape == PBF_COLLIDER_CAPSULE)
-    question(capsule_shape{});
-  else if (s->shape == PBF_COLLIDER_PLANE)
-    question(plane_shape{});
-  else
-    return false;
+  if (pbf_surface_is_field(s)) return false;
+  closed_shapes::ask(s->shape, question);
   return true;
 }
 
@@ -84,7 +76,7 @@ PBF_FN bool shorten_ways_by(const pbf_obstacles *near, const lane_values *x, pbf
   return true;
 }
 
-/* Lanes, a number each: 1 where it is one of these. */
+/* Of each lane 1, where it is one of these, or 0. */
 struct lane_marks {
   alignas(64) pbf_real is[WIDTH];
 };
@@ -111,15 +103,14 @@ static inline __attribute__((noinline)) bool find_clear_lanes(
     const pbf_obstacles *o, int with_obstacle_motion, const lane_values *from, const lane_values *x,
     const lane_values *kept, lane_marks *clear) {
   alignas(64) pbf_real gone[WIDTH], ways[WIDTH];
-  pbf_obstacles near;
+  pbf_obstacles near = *o;
   pbf_real longest = 0;
+  bool still = true;
   find_longest_ways(from, x, kept, gone);
   for (uint32_t l = 0; l < WIDTH; ++l) longest = pbf_real_max(longest, gone[l]);
   for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = INFINITY;
   const group_bounds these = bounds_of_group(from, from);
   const pbf_real reach = (o->grid ? (pbf_real)o->grid->stretch : 1) * longest;
-  near = *o;
-  bool still = true;
   collect_surfaces(
       pbf_obstacles_around(*o, these.lower, these.upper, reach), o->room,
       [&](const pbf_surface *s) {
