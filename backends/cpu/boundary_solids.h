@@ -1,7 +1,8 @@
 /* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane,
- * where all near it are boxes, balls and capsules that fluid is outside of: as pbf_boundary_at does
- * to the bit. How far each is from all particles is found in lanes. Most particles that any is near
- * are near one alone and no wall; what it contributes to these is found in lanes, too. */
+ * where all near it have one nearest plane each, as boxes, balls, capsules and planes have, and
+ * balls that fluid is inside of: as pbf_boundary_at does to the bit. How far each is from all
+ * particles is found in lanes. Most particles that any is near are near one alone and no wall; what
+ * it contributes to these is found in lanes, too. */
 #ifndef PBF_CPU_BOUNDARY_SOLIDS_H
 #define PBF_CPU_BOUNDARY_SOLIDS_H
 
@@ -9,6 +10,7 @@ namespace {
 
 /* The nearest plane of a solid to each particle of a group. */
 struct lane_planes {
+  bool is_unbounded;
   alignas(64) pbf_real near[WIDTH];                   /* 1: it is within reach; 0 */
   alignas(64) pbf_real distance[WIDTH], sides[WIDTH]; /* those of pbf_shape_distance, of what is
                                                          curved -1 */
@@ -26,18 +28,19 @@ template <class Shape>
 static __attribute__((noinline)) void find_planes(Shape shape, const pbf_surface *surface,
                                                   const lane_values *x, pbf_real reach,
                                                   lane_planes *restrict planes) {
+  const bool is_flat = (int)Shape::ID == PBF_COLLIDER_BOX || (int)Shape::ID == PBF_COLLIDER_PLANE;
   const pbf_surface s = *surface;
   const pbf_real far = s.bound + reach;
   for (uint32_t l = 0; l < WIDTH; ++l) {
     pbf_vec normal;
     int sides;
     const pbf_vec p = pbf_sub(lane_value(x, l), s.center);
-    const pbf_real distance = pbf_shape_distance(shape, &s, p, &normal, &sides);
+    const pbf_real distance = s.sign * pbf_shape_distance(shape, &s, p, &normal, &sides);
     const pbf_real in_ball = pbf_dot(p, p) > far * far ? 0 : 1; /* pbf_surface_is_beyond */
     planes->near[l] = distance < reach ? in_ball : 0;
     planes->distance[l] = distance;
-    planes->sides[l] = (pbf_real)((int)Shape::ID == PBF_COLLIDER_BOX ? sides : -1);
-    for (int k = 0; k < PBF_DIM; ++k) planes->normal.c[k][l] = normal.c[k];
+    planes->sides[l] = (pbf_real)(is_flat ? sides : -1);
+    for (int k = 0; k < PBF_DIM; ++k) planes->normal.c[k][l] = s.sign * normal.c[k];
   }
 }
 
@@ -50,7 +53,8 @@ static __attribute__((noinline)) bool meet_solids(const pbf_constants *c, const 
     if (met->count == MET_SOLIDS) return false;
     const pbf_surface *s = &near->surfaces[k];
     lane_planes *planes = &met->of[met->count];
-    if (s->sign < 0 || s->shape == PBF_COLLIDER_PLANE) return false;
+    planes->is_unbounded = pbf_surface_is_unbounded(s);
+    if (pbf_surface_planes(s) > 1) return false;
     if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); })) return false;
     met->count += (uint32_t)lane_any_below(ops<lane>::set(0), lane_load(planes->near));
   }
@@ -66,7 +70,7 @@ PBF_FN int pbf_surface_is_beyond(const met_plane *s, pbf_vec, pbf_real) {
   return !(s->of->near[s->lane] > 0);
 }
 PBF_FN int pbf_surface_is_field(const met_plane *) { return 0; }
-PBF_FN int pbf_surface_is_unbounded(const met_plane *) { return 0; }
+PBF_FN int pbf_surface_is_unbounded(const met_plane *s) { return s->of->is_unbounded; }
 PBF_FN int pbf_surface_planes(const met_plane *) { return 1; }
 PBF_FN pbf_real pbf_surface_nearest(const met_plane *s, pbf_vec, pbf_vec *normal,
                                     pbf_nearest_part *part) {
@@ -84,7 +88,7 @@ PBF_FN pbf_real pbf_surface_plane_distance(const met_plane *s, int, int, pbf_vec
 /* Which particles one solid alone is near, and no wall, and its plane. A wall within h has a say in
  * what an edge does. */
 struct planes_alone {
-  alignas(64) pbf_real is[WIDTH];
+  alignas(64) pbf_real is[WIDTH], has_slope[WIDTH]; /* 0: pbf_face_density's is 0 */
   lane_planes of;
 };
 
@@ -95,8 +99,10 @@ static __attribute__((noinline)) void find_alone(const pbf_constants *c, const m
   memset(alone, 0, sizeof *alone);
   for (uint32_t k = 0; k < met->count; ++k) {
     const lane_planes *planes = &met->of[k];
+    const pbf_real deepest = planes->is_unbounded ? -(pbf_real)INFINITY : -c->wall_offset;
     for (uint32_t l = 0; l < WIDTH; ++l) {
-      const pbf_real near = planes->near[l];
+      const pbf_real near = planes->near[l], sloped = planes->distance[l] < deepest ? 0 : 1;
+      alone->has_slope[l] = near > 0 ? sloped : alone->has_slope[l];
       alone->of.near[l] += near;
       alone->of.distance[l] = near > 0 ? planes->distance[l] : alone->of.distance[l];
       alone->of.sides[l] = near > 0 ? planes->sides[l] : alone->of.sides[l];
@@ -122,7 +128,7 @@ static __attribute__((noinline)) void add_planes_alone(const pbf_constants *cons
     pbf_boundary by_plane = {0, 0, 0, {{0}}, {{0}}};
     pbf_real density = 0;
     pbf_vec gradient = {{0}};
-    const pbf_real slope = alone->of.distance[l] < -c.wall_offset ? 0 : face.slope[l];
+    const pbf_real slope = alone->has_slope[l] > 0 ? face.slope[l] : 0;
     const pbf_vec normal = lane_value(&alone->of.normal, l);
     pbf_accumulate_plane(&c, face.value[l], slope, normal, &by_plane);
     pbf_add_boundary(&by_plane, &density, &gradient);

@@ -78,14 +78,18 @@ static inline __attribute__((noinline)) int first_candidates(const pbf_obstacles
   });
 }
 
-/* Without those that are farther from them all than that, by the balls around both. */
+/* Without those that are farther from them all than that, by the balls around both, if there is
+ * one.
+ */
 static inline int obstacles_around_group(const pbf_obstacles *all, const group_bounds *of,
                                          pbf_real reach, pbf_obstacles *near) {
   *near = *all;
   collect_surfaces(
       pbf_obstacles_around(*all, of->lower, of->upper, reach), all->room,
       [&](const pbf_surface *s) {
-        return !pbf_surface_is_beyond(s, of->center, of->radius + reach);
+        return pbf_surface_is_unbounded(s)
+                   ? bounds_are_within(of, s, reach)
+                   : !pbf_surface_is_beyond(s, of->center, of->radius + reach);
       },
       near);
   return near->count;
