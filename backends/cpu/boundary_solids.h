@@ -1,8 +1,7 @@
 /* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane,
- * where all near it have one nearest plane each, as boxes, balls, capsules and planes have, and
- * balls that fluid is inside of: as pbf_boundary_at does to the bit. How far each is from all
- * particles is found in lanes. Most particles that any is near are near one alone and no wall; what
- * it contributes to these is found in lanes, too. */
+ * where all near it have a closed form: as pbf_boundary_at does to the bit. How far each is from
+ * all particles is found in lanes. Most particles that any is near are near one alone and no wall;
+ * what it contributes to these is found in lanes, too. */
 #ifndef PBF_CPU_BOUNDARY_SOLIDS_H
 #define PBF_CPU_BOUNDARY_SOLIDS_H
 
@@ -18,10 +17,10 @@ struct lane_planes {
 };
 
 /* Those that are within reach of some. */
-enum { MET_SOLIDS = 6 };
+enum { MET_PLANES = 6 };
 struct met_solids {
   uint32_t count;
-  lane_planes of[MET_SOLIDS];
+  lane_planes of[MET_PLANES];
 };
 
 template <class Shape>
@@ -44,19 +43,47 @@ static __attribute__((noinline)) void find_planes(Shape shape, const pbf_surface
   }
 }
 
-/* 0: there are others among these, or more than there is room for. */
+/* The same of a face of a box that fluid is inside of. */
+static __attribute__((noinline)) void find_face(const pbf_surface *surface, int face,
+                                                const lane_values *x, pbf_real reach,
+                                                lane_planes *restrict planes) {
+  const pbf_surface s = *surface;
+  memset(planes->sides, 0, sizeof planes->sides);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_vec normal;
+    const pbf_real distance =
+        box_shape::face(&s, face, pbf_sub(lane_value(x, l), s.center), &normal);
+    planes->near[l] = distance < reach ? 1 : 0;
+    planes->distance[l] = distance;
+    for (int k = 0; k < PBF_DIM; ++k) planes->normal.c[k][l] = normal.c[k];
+  }
+}
+
+/* Finds a plane of a surface in the next place, and keeps it if some are near it; 0: there is none,
+ * or the surface has no closed form. */
+PBF_FN bool meet_plane(const pbf_surface *s, int plane, int planes, const lane_values *x,
+                       pbf_real reach, met_solids *met) {
+  if (met->count == MET_PLANES) return false;
+  lane_planes *to = &met->of[met->count];
+  to->is_unbounded = pbf_surface_is_unbounded(s);
+  if (planes > 1)
+    find_face(s, plane, x, reach, to);
+  else if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, to); }))
+    return false;
+  met->count += (uint32_t)lane_any_below(ops<lane>::set(0), lane_load(to->near));
+  return true;
+}
+
+/* 0: there are surfaces without a closed form among these, or more planes than there is room for.
+ */
 static __attribute__((noinline)) bool meet_solids(const pbf_constants *c, const pbf_obstacles *near,
                                                   const lane_values *x, met_solids *met) {
-  const pbf_real reach = pbf_boundary_reach(c);
   met->count = 0;
   for (int k = 0; k < near->count; ++k) {
-    if (met->count == MET_SOLIDS) return false;
     const pbf_surface *s = &near->surfaces[k];
-    lane_planes *planes = &met->of[met->count];
-    planes->is_unbounded = pbf_surface_is_unbounded(s);
-    if (pbf_surface_planes(s) > 1) return false;
-    if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); })) return false;
-    met->count += (uint32_t)lane_any_below(ops<lane>::set(0), lane_load(planes->near));
+    const int planes = pbf_surface_planes(s);
+    for (int plane = 0; plane < planes; ++plane)
+      if (!meet_plane(s, plane, planes, x, pbf_boundary_reach(c), met)) return false;
   }
   return true;
 }
