@@ -19,18 +19,18 @@ static inline __attribute__((noinline)) bool is_clear_way(const pbf_obstacles *o
 }
 
 /* Large, and in the stage and in the iterations: here once. */
-static __attribute__((noinline)) pbf_vec resolve_collisions(const pbf_obstacles *o,
-                                                            int with_obstacle_motion, pbf_vec from,
-                                                            pbf_vec x) {
+static inline __attribute__((noinline)) pbf_vec resolve_collisions(const pbf_obstacles *o,
+                                                                   int with_obstacle_motion,
+                                                                   pbf_vec from, pbf_vec x) {
   return pbf_resolve_collisions(*o, with_obstacle_motion, from, x);
 }
 
 /* The same between all of many, of which `first` are those that it may meet first. Most particles
  * meet none; for one that does those are looked for to which it may be pushed. */
-static __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles *all,
-                                                            const pbf_obstacles *first,
-                                                            int with_obstacle_motion, pbf_vec from,
-                                                            pbf_vec x) {
+static inline __attribute__((noinline)) pbf_vec resolve_among_many(const pbf_obstacles *all,
+                                                                   const pbf_obstacles *first,
+                                                                   int with_obstacle_motion,
+                                                                   pbf_vec from, pbf_vec x) {
   const auto surfaces = surface_array_of(first->count, first->surfaces);
   const pbf_vec kept = pbf_keep_before(&all->domain, surfaces, with_obstacle_motion, from, x);
   const auto near =
@@ -56,9 +56,9 @@ static inline bool is_spread(const pbf_surface_grid *of, const group_bounds *the
   return pbf_cells_in(&range) > MOST_CELLS;
 }
 
-static __attribute__((noinline)) pbf_vec resolve_alone(const pbf_obstacles *all,
-                                                       int with_obstacle_motion, pbf_vec from,
-                                                       pbf_vec x) {
+static inline __attribute__((noinline)) pbf_vec resolve_alone(const pbf_obstacles *all,
+                                                              int with_obstacle_motion,
+                                                              pbf_vec from, pbf_vec x) {
   pbf_obstacles candidates;
   const group_bounds alone = bounds_of_way(from, x);
   if (!first_candidates(all, &alone, with_obstacle_motion, &candidates))

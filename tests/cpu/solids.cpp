@@ -1,0 +1,187 @@
+/* What solids contribute to the particles of a group, and which of them meet none on their ways,
+ * found in the lanes of one instruction set, against each particle by itself, to the bit. Compiled
+ * once for each set, and skipped where the machine lacks it. */
+#include "physics/support.h"
+
+#include "cpu/boundary.h"
+#include "cpu/isa.h"
+#include "support/random.h"
+
+enum { MOST = 12, SCENES = 3000 };
+
+static const double h = 1, around = 4;
+
+typedef struct scene {
+  pbf_constants constants;
+  pbf_surface surfaces[MOST];
+  pbf_obstacles o;
+  uint16_t room[PBF_OBSTACLE_LISTS * MOST];
+} scene;
+
+static void turn_at_random(uint64_t *random, double orientation[4]) {
+  double norm2 = 0;
+  for (int k = PBF_DIM == 3 ? 0 : 2; k < 4; ++k) {
+    orientation[k] = random_in(random, -1, 1);
+    norm2 += orientation[k] * orientation[k];
+  }
+  for (int k = 0; k < 4; ++k) orientation[k] /= sqrt(norm2);
+}
+
+/* Of all closed forms; some hold all of the fluid, some move, and of some the edges are level with
+ * the axes, where planes through them are at right angles to walls. */
+static pbf_surface random_surface(uint64_t *random) {
+  pbf_collider c;
+  memset(&c, 0, sizeof c);
+  c.shape = (uint32_t)random_in(random, 0, 4);
+  c.inverted = random_in(random, 0, 1) < 0.1 && c.shape != PBF_COLLIDER_PLANE;
+  c.radius = c.inverted ? around : random_in(random, 0.2, 1.5);
+  c.half_length = random_in(random, 0.2, 2);
+  c.axis[1] = 1;
+  c.orientation[3] = 1;
+  const bool moves = random_in(random, 0, 1) < 0.1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    c.half_extents[k] = c.inverted ? around : random_in(random, 0.1, 2);
+    c.position[k] = c.inverted ? 0 : random_in(random, -around, around);
+    c.velocity[k] = moves ? random_in(random, -2, 2) : 0;
+  }
+  if (c.shape == PBF_COLLIDER_PLANE) c.position[1] = -around;
+  if (random_in(random, 0, 1) < 0.5) turn_at_random(random, c.orientation);
+  pbf_surface s = pbf_surface_at(&c, 0, 1);
+  s.skin = pbf_surface_is_unbounded(&s) ? 0 : (pbf_real)0.002;
+  s.rounding = (pbf_real)1e-5;
+  s.prediction_push = (pbf_real)INFINITY;
+  return s;
+}
+
+static void make_scene(uint64_t *random, scene *s) {
+  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
+  p.smoothing_radius = h;
+  p.spacing = h / 2;
+  p.wall_density = 1;
+  p.solver = PBF_SOLVER_CHEBYSHEV;
+  for (int k = 0; k < 3; ++k) p.domain_min[k] = -around, p.domain_max[k] = around;
+  s->constants = pbf_constants_of(&p);
+  memset(&s->o, 0, sizeof s->o);
+  s->o.domain = pbf_domain_at(&p, 0);
+  s->o.count = 1 + (int)random_in(random, 0, MOST);
+  s->o.surfaces = {s->surfaces, NULL};
+  s->o.room = s->room;
+  for (int k = 0; k < s->o.count; ++k) s->surfaces[k] = random_surface(random);
+}
+
+/* Near each other, inside and at walls. */
+static lane_values random_places(uint64_t *random) {
+  lane_values x;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double middle = random_in(random, -around, around);
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      x.c[k][l] = (pbf_real)(middle + random_in(random, -0.7, 0.7));
+  }
+  return x;
+}
+
+static bool are_same(pbf_real a, pbf_real b) { return a == b; }
+
+/* Returns how many some surface contributes to. */
+static int check_boundary(const scene *s, int which, const lane_values *x,
+                          const lanes_asked *asked) {
+  lane_boundary found;
+  int beside = 0;
+  boundary_of_group(&s->constants, &s->o, x, asked, &found);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    pbf_real density = 0;
+    pbf_vec gradient = {{0}};
+    const pbf_boundary right = pbf_boundary_at(&s->constants, s->o, lane_value(x, l));
+    pbf_add_boundary(&right, &density, &gradient);
+    bool same = are_same(found.density[l], density) && are_same(found.rest[l], right.rest);
+    for (int a = 0; a < PBF_DIM; ++a)
+      same = same && are_same(found.gradient.c[a][l], gradient.c[a]);
+    if (!same)
+      fail_msg("scene %d: lane %u has a density of %.9g, not %.9g", which, l,
+               (double)found.density[l], (double)density);
+    beside += density > 0;
+  }
+  return beside;
+}
+
+static void a_group_has_what_each_particle_has(void **state) {
+  (void)state;
+  static scene s;
+  uint64_t random = 1;
+  int beside = 0;
+  for (int k = 0; k < SCENES; ++k) {
+    make_scene(&random, &s);
+    const lane_values x = random_places(&random);
+    beside += check_boundary(&s, k, &x, NULL);
+  }
+  assert_true(beside > SCENES / 4);
+}
+
+/* Some way on, those that were clear of all solids and have not gone far are not asked. */
+static void those_that_stay_clear_need_not_be_asked(void **state) {
+  (void)state;
+  static scene s;
+  uint64_t random = 3;
+  int all = 0, some = 0;
+  for (int k = 0; k < SCENES; ++k) {
+    alignas(64) pbf_real ways[WIDTH];
+    make_scene(&random, &s);
+    const lane_values from = random_places(&random);
+    lane_values x = from;
+    find_clear(&s.constants, &s.o, &from, ways);
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      if (ways[l] < clear_reach(&s.constants)) ways[l] = 0;
+      for (int a = 0; a < PBF_DIM; ++a) x.c[a][l] += (pbf_real)random_in(&random, -0.06, 0.06);
+      ways[l] = pbf_real_min(ways[l], clear_way(&s.constants));
+    }
+    const lanes_asked asked = lanes_beyond(ways, &from, &x);
+    check_boundary(&s, k, &x, &asked);
+    for (uint32_t l = 0; l < WIDTH; ++l) ++all, some += !asked.is[l];
+  }
+  assert_true(some > all / 20 && some < all);
+}
+
+static void what_is_clear_goes_where_the_domain_keeps_it(void **state) {
+  (void)state;
+  static scene s;
+  uint64_t random = 2;
+  int clear_ones = 0, met = 0;
+  for (int k = 0; k < SCENES; ++k) {
+    lane_marks clear;
+    make_scene(&random, &s);
+    const lane_values from = random_places(&random);
+    lane_values x = from;
+    for (int a = 0; a < PBF_DIM; ++a)
+      for (uint32_t l = 0; l < WIDTH; ++l) x.c[a][l] += (pbf_real)random_in(&random, -0.2, 0.2);
+    lane_values kept = x;
+    clamp_group(&s.o, &kept);
+    const int moves = k % 2;
+    if (!find_clear_lanes(&s.o, moves, &from, &x, &kept, &clear)) continue;
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      const pbf_vec end =
+          pbf_resolve_collisions(s.o, moves, lane_value(&from, l), lane_value(&x, l));
+      const pbf_vec right = lane_value(&kept, l);
+      const bool stays = memcmp(&end, &right, sizeof end) == 0;
+      if (clear.is[l] > 0 && !stays) fail_msg("scene %d: lane %u is not clear", k, l);
+      clear_ones += clear.is[l] > 0;
+      met += !stays;
+    }
+  }
+  assert_true(clear_ones > SCENES / 4 && met > SCENES / 100);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_group_has_what_each_particle_has),
+      cmocka_unit_test(those_that_stay_clear_need_not_be_asked),
+      cmocka_unit_test(what_is_clear_goes_where_the_domain_keeps_it),
+  };
+  cpu_isa best;
+  char reason[128];
+  if (!cpu_isa_best(&best, reason, sizeof reason) || best < PBF_TEST_ISA) {
+    print_message("skipped: this processor lacks the instructions under test, %s\n",
+                  cpu_isa_name(PBF_TEST_ISA));
+    return 77;
+  }
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
