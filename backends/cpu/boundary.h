@@ -205,7 +205,7 @@ static __attribute__((noinline)) void find_clear(const pbf_constants *c, const p
                                                  const lane_values *x, pbf_real *ways) {
   pbf_obstacles near;
   const group_bounds these = bounds_of_group(x, x);
-  obstacles_around_group(o, &these, clear_reach(c), &near);
+  if (!BUILT_FOR_SIZE) obstacles_around_group(o, &these, clear_reach(c), &near);
   if (!BUILT_FOR_SIZE && clear_ways_from(c, &near, x, ways)) return;
   const int met = obstacles_within(o, &these, clear_reach(c), &near);
   for (uint32_t l = 0; l < WIDTH; ++l)
@@ -266,7 +266,7 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
   pbf_obstacles near;
   met_solids solids;
   const group_bounds these = bounds_of_group(x, x);
-  if (!obstacles_around_group(o, &these, contribution_reach(c), &near)) return;
+  if (!BUILT_FOR_SIZE && !obstacles_around_group(o, &these, contribution_reach(c), &near)) return;
   if (!BUILT_FOR_SIZE && meet_solids(c, &near, x, &solids))
     boundary_of_solids(c, &o->domain, x, to_wall, &solids, boundary);
   else

@@ -106,7 +106,8 @@ static void deposit(const pbf_pressure_grid_storage *storage, pbf_real target, f
       within[l] = pbf_pressure_grid_place_entry(at);
     }
     add_entries(storage, places.cells, entries, within, count);
-    if (storage->topology.surface_count) keep_cells(places.cells, count, densities + first);
+    if (!BUILT_FOR_SIZE && storage->topology.surface_count)
+      keep_cells(places.cells, count, densities + first);
   }
 }
 
@@ -193,7 +194,7 @@ static __attribute__((noinline)) void keep_group(const pbf_obstacles *obstacles,
     for (uint32_t l = 0; l < WIDTH; ++l) ends.c[k][l] = x->c[k][l] + moves->c[k][l];
   kept = ends;
   clamp_group(obstacles, &kept);
-  const bool known = !BUILT_FOR_SIZE && find_clear_lanes(obstacles, 0, x, &ends, &kept, &clear);
+  const bool known = find_clear_lanes(obstacles, 0, x, &ends, &kept, &clear);
   for (uint32_t l = 0; l < lanes; ++l) {
     const pbf_vec from = lane_value(x, l);
     set_lane(moves, l,
@@ -205,7 +206,13 @@ static __attribute__((noinline)) void keep_group(const pbf_obstacles *obstacles,
 /* … of all. */
 PBF_FN void keep_moves(const pbf_obstacles *obstacles, const field *x, uint32_t first,
                        uint32_t count, pressure_grid_moves *moves) {
-  for (uint32_t begin = 0; begin < count; begin += WIDTH) {
+  for (uint32_t l = 0; l < count && BUILT_FOR_SIZE; ++l) {
+    pbf_vec u;
+    for (int k = 0; k < PBF_DIM; ++k) u.c[k] = moves->along[k][l];
+    u = move_past_obstacles(obstacles, field_at(x, first + l), u);
+    for (int k = 0; k < PBF_DIM; ++k) moves->along[k][l] = u.c[k];
+  }
+  for (uint32_t begin = 0; begin < count && !BUILT_FOR_SIZE; begin += WIDTH) {
     const uint32_t left = count - begin, lanes = left < WIDTH ? left : (uint32_t)WIDTH;
     const lane_values from = load_some_lanes(x, first + begin, lanes);
     lane_values of;
@@ -231,7 +238,9 @@ static void apply_correction(const pbf_pressure_grid_storage *storage,
     pressure_grid_moves moves;
     count = pressure_grid_chunk(first, last);
     find_places(&c, &x, first, count, &places);
-    if (storage->topology.surface_count)
+    if (BUILT_FOR_SIZE && storage->topology.surface_count)
+      find_compartments(storage, &x, first, count, &places);
+    else if (storage->topology.surface_count)
       fetch_compartments(storage, cells, &x, first, count, &places);
     fetch_corners(storage, places.cells, count, &corners);
     find_moves(&c, &corners, &places, count, &moves);
