@@ -15,13 +15,22 @@ PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real d
   return {normal, distance, pbf_surface_is_unbounded(s), solid};
 }
 
-/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. They are
- * put among the planes of others, with what others leave of each. (nvcc 13.0 hands a closure that
- * has references on to a function that is not inlined so that it reads another address.) */
+/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
+template <class Visit>
+PBF_FN_NOINLINE void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                     pbf_vec x, pbf_real reach, Visit visit) {
+  pbf_facets facets;
+  pbf_find_facets(s, reach, c->h, x, &facets);
+  for (int k = 0; k < facets.count; ++k)
+    if (facets.of[k].distance < reach)
+      visit(pbf_face_of_surface(s, solid, facets.of[k].distance, facets.of[k].normal), 1);
+}
+
+/* The same with what others leave of each, put among the planes of others. */
 template <class Each>
-PBF_FN_HOST_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                         pbf_vec x, pbf_real reach, Each each,
-                                         pbf_field_planes *planes) {
+PBF_FN_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
+                                    pbf_vec x, pbf_real reach, Each each,
+                                    pbf_field_planes *planes) {
   pbf_facets facets;
   pbf_find_facets(s, reach, c->h, x, &facets);
   for (int k = 0; k < facets.count; ++k) {
@@ -43,7 +52,10 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
   if constexpr (may_be_field<Surface>::value)
     if (pbf_surface_is_field(s)) {
       of_fields->fields += 1;
-      if (pbf_may_be_within(s, x, reach)) pbf_meet_field(c, s, solid, x, reach, each, of_fields);
+      if constexpr (!PBF_FINDS_SEAMS)
+        pbf_visit_field(c, s, solid, x, reach, visit);
+      else if (pbf_may_be_within(s, x, reach))
+        pbf_meet_field(c, s, solid, x, reach, each, of_fields);
       return;
     }
   const int planes = pbf_surface_planes(s);

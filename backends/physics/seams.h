@@ -12,6 +12,10 @@
 #include "physics/facets.h"
 #include "physics/near_faces.h"
 
+/* Not on GPUs: right in what is computed there, but nvcc 13.0 makes code of it that reads wrong
+ * addresses (docs/notes/cuda.md). */
+enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
+
 PBF_FN_NOINLINE pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   return pbf_nearest_distance(s, y, (pbf_real)INFINITY, normal);
 }
@@ -164,15 +168,19 @@ PBF_FN_NOINLINE void pbf_look_beside(pbf_beside *b, const pbf_surface *other, in
 template <class Each>
 PBF_FN pbf_real pbf_part_beside_others(const pbf_surface *of, int number, pbf_vec x, pbf_real reach,
                                        Each each, pbf_facet *plane) {
-  pbf_beside b;
-  b.seam.of = of, b.seam.number = number;
-  b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
-  b.seen = b.plane = *plane;
-  each([&](const auto &other, int k) {
-    if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
-  });
-  *plane = b.plane;
-  return b.part;
+  if constexpr (PBF_FINDS_SEAMS) {
+    pbf_beside b;
+    b.seam.of = of, b.seam.number = number;
+    b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
+    b.seen = b.plane = *plane;
+    each([&](const auto &other, int k) {
+      if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
+    });
+    *plane = b.plane;
+    return b.part;
+  } else {
+    return 1;
+  }
 }
 
 /* ---- Planes of all fields ------------------------------------------------------------------- */
