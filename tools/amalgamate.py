@@ -4,12 +4,12 @@
     tools/amalgamate.py FOLDER [3d-f32]     writes FOLDER/pbf_all.c, FOLDER/pbf_all.cpp and FOLDER/pbf/*.h
 
 What is in them: libpbf with `serial` linked in, of one dimension and precision, with the scalar loops over pairs. They are
-compiled as CONTRIBUTING.md says of all sources:
+compiled as CONTRIBUTING.md says of all sources, C17 and C++17:
 
-    cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -c pbf_all.c
-    c++ -O3 -fno-tree-vectorize -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffp-contract=off -fno-math-errno -c pbf_all.cpp
+    cc -std=gnu17 -O3 -fno-math-errno -fno-trapping-math -c pbf_all.c
+    c++ -std=gnu++17 -O3 -fno-tree-vectorize -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno -c pbf_all.cpp
 
-and linked with -lm -pthread. A file's own names that another one has as well get its number.
+and linked with -lm -pthread. Other flags of a project change no bit; older standards and -ffast-math are refused. A file's own names that another one has as well get its number.
 """
 import pathlib
 import re
@@ -93,6 +93,21 @@ def library_sources():
     return [*(ROOT / "lib" / name for name in posix), ROOT / "lib/plugin/discover_linked.c", *(ROOT / name for name in C_SOURCES)]
 
 
+def refusal(what, condition):
+    return f'#if {condition}\n#error "pbf: {what}"\n#endif\n'
+
+
+# Products are rounded before they are added, also where a project's flags let the compiler fuse the two; a header's functions
+# that the one file does not use are no mistake.
+PRAGMAS = """#pragma GCC diagnostic ignored "-Wunused-function"
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC optimize("fp-contract=off")
+#endif
+"""
+
+
 def build_header(dimension, bits):
     return (f"#define PBF_EACH_VARIANT(DO) DO({dimension}, {bits})\n#define PBF_EACH_ISA(DO) DO(scalar, SCALAR)\n"
             "#define PBF_EACH_FUSED_ISA(DO)\n"
@@ -101,7 +116,9 @@ def build_header(dimension, bits):
 
 def c_file(generated):
     version = re.search(r"project\(pbf VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
-    head = ("/* libpbf and its backend `serial` in one file, written by tools/amalgamate.py. */\n#define _GNU_SOURCE\n"
+    head = ("/* libpbf and its backend `serial` in one file, written by tools/amalgamate.py. */\n"
+            + refusal("this file is C: compile it by -std=gnu17", "defined(__cplusplus) || __STDC_VERSION__ < 201112L") + PRAGMAS +
+            "#define _GNU_SOURCE\n"
             "#define PBF_STATIC_LIBRARY\n#define PBF_BACKEND_NAME \"serial\"\n"
             f"#define PBF_BUILD_ID \"{version}, amalgamated\"\n#define PBF_LINKED\n#define PBF_LINKED_ENTRY pbf_backend_negotiate_serial\n")
     joined, parts = Joined(generated), [head]
@@ -121,7 +138,9 @@ def c_file(generated):
 
 def cpp_file(generated, dimension, bits):
     real = "float" if bits == "32" else "double"
-    out = [f"/* The CPU backend of one kind of fluid, written by tools/amalgamate.py. */\n#define PBF_DIM {dimension}\n"
+    out = ["/* The CPU backend of one kind of fluid, written by tools/amalgamate.py. */\n",
+           refusal("this file is C++17: compile it by -std=gnu++17", "!defined(__cplusplus) || __cplusplus < 201703L"), PRAGMAS,
+           f"#define PBF_DIM {dimension}\n"
            f"#define PBF_BITS {bits}\n#define PBF_REAL {real}\n#define PBF_LANES_SCALAR\n"]
     joined = Joined(generated)
     for source, api in (("backend", f"cpu_{dimension}d_f{bits}"), ("kernels", f"cpu_scalar_{dimension}d_f{bits}")):
