@@ -115,12 +115,15 @@ int pbf_os_is_shortage(int error) {
   return error == EMFILE || error == ENFILE || error == ENOMEM || error == EAGAIN;
 }
 
-/* Why a file can't be loaded at present that could at another time; the loader's words do not
- * always say it. */
-static int shortage_for(const char *path) {
+/* Why a file can't be loaded at present that could at another time; the loader's words, which end
+ * with those of an error, do not always say it. */
+static int shortage_for(const char *path, const char *words) {
   enum { OTHERS = 1 << 20 }; /* bytes: what it depends on */
   int file;
   uint64_t size = 0;
+  void *some = malloc(OTHERS);
+  free(some);
+  if (!some || strstr(words, strerror(ENOMEM))) return ENOMEM;
   const int failed = pbf_os_open(path, &file, &size);
   if (failed) return failed;
   pbf_os_close(file);
@@ -136,11 +139,21 @@ int pbf_os_has_thread_key(void) {
   return pthread_key_create(&key, NULL) == 0 && pthread_key_delete(key) == 0;
 }
 
+/* To stay for good, but that is said last: what glibc fails to load in the midst, and is to keep,
+ * it keeps, and the next time it is there, and its constructors have never been run. What fails is
+ * tried twice, since a shortage of memory may be over, and not all words for it can be told. */
+static void *load_for_good(const char *path) {
+  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+  if (!library) library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+  if (library) (void)dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  return library;
+}
+
 void *pbf_os_load(const char *path, char *reason, size_t size, int *failed) {
-  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  void *library = load_for_good(path);
   if (library) return library;
   snprintf(reason, size, "%s", dlerror());
-  *failed = shortage_for(path);
+  *failed = shortage_for(path, reason);
   return NULL;
 }
 

@@ -138,7 +138,7 @@ static pbf_status read_sections(image *it) {
     return pbf_image_refuse(it, "its header names no sections");
   if (!pbf_image_fits(h->e_shoff, bytes, it->size)) return pbf_image_refuse_short(it, "sections");
   it->sections = malloc(bytes);
-  if (!it->sections) return pbf_image_refuse(it, "there is no memory to look at its sections");
+  if (!it->sections) return pbf_image_refuse_now(it);
   it->section_count = h->e_shnum;
   if (!pbf_image_read(it, it->sections, bytes, h->e_shoff))
     return pbf_image_refuse(it, "it can't be read");

@@ -13,6 +13,11 @@ pbf_status pbf_image_refuse_short(pbf_image *it, const char *what) {
                            (unsigned long long)it->size);
 }
 
+pbf_status pbf_image_refuse_now(pbf_image *it) {
+  return pbf_plugin_refuse(it->plugin, PBF_ERROR_OUT_OF_MEMORY,
+                           "there is no memory to look at it by");
+}
+
 int pbf_image_read(const pbf_image *it, void *bytes, size_t count, uint64_t offset) {
   return pbf_os_read(it->file, bytes, count, offset);
 }

@@ -21,6 +21,8 @@ typedef struct pbf_image {
 
 pbf_status pbf_image_refuse(pbf_image *it, const char *what);
 pbf_status pbf_image_refuse_short(pbf_image *it, const char *what);
+/* Where the process has no memory for the look. */
+pbf_status pbf_image_refuse_now(pbf_image *it);
 
 int pbf_image_read(const pbf_image *it, void *bytes, size_t count, uint64_t offset);
 

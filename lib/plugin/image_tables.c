@@ -185,7 +185,7 @@ static pbf_status read_table(tables *t, uint64_t at, uint64_t bytes, void *into)
     return pbf_image_refuse(t->it, "its dynamic section points to nothing");
   memory = malloc(bytes);
   memcpy(into, &memory, sizeof memory);
-  if (!memory) return pbf_image_refuse(t->it, "there is no memory to look at its tables");
+  if (!memory) return pbf_image_refuse_now(t->it);
   if (!pbf_image_read(t->it, memory, bytes, offset))
     return pbf_image_refuse(t->it, "it can't be read");
   return PBF_OK;
@@ -431,7 +431,8 @@ static int are_versions_sound(const tables *t, unsigned char *there) {
 static pbf_status check_versions(tables *t) {
   if (!t->needs && !t->versions) return PBF_OK;
   unsigned char *there = calloc(MOST_VERSIONS, 1);
-  const int is_sound = there && are_versions_sound(t, there);
+  if (!there) return pbf_image_refuse_now(t->it);
+  const int is_sound = are_versions_sound(t, there);
   free(there);
   return is_sound ? PBF_OK : pbf_image_refuse(t->it, "its versions of symbols are garbage");
 }

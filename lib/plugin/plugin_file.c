@@ -32,6 +32,7 @@ static pbf_status check_file(const char *path, pbf_plugin *plugin) {
   failed = pbf_os_open(path, &file, &size);
   if (failed) return refuse_to_open(plugin, failed);
   pbf_status status = pbf_image_check(file, size, plugin);
+  was_short |= status == PBF_ERROR_OUT_OF_MEMORY;
   pbf_os_close(file);
   return status;
 }
