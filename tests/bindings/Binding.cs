@@ -354,7 +354,7 @@ internal static partial class Binding
             SprayFlies, WhatIsNoSprayIsRefused, ShapesAreAsFarAsTheirFaces, ShapesComeBackFromBytes, ShapesLiveWhileSomethingHasThem, CollidersHoldTheirShapes, WhatIsNoShapeIsRefused,
             QueriesKnowWaterAtRest, QueriesWantArraysThatFit, AsMuchComesAsTheRateSays, OilFloatsAndTheFloorBearsBoth,
             FieldsAreReadAsRenderersWantThem, AnisotropiesAreOfTheNeighbours,
-            TheCollectorRunsInALogOfBegunSteps, ALogOfBegunStepsDisposes, ViewsAreDroppedBesideCalls, OfTwoThreadsOneGivesBack,
+            TheCollectorRunsInALogOfBegunSteps, ALogOfBegunStepsDisposes, AThreadAbortedInALogEndsAfterTheCall, ViewsAreDroppedBesideCalls, OfTwoThreadsOneGivesBack,
             ASnapshotIsCopiedUntilItIsGivenBack,
             WorldsFallAsTheyWouldAlone, AWorldThatFailsSaysSo, WorldsAndBatchesGoInAnyOrder, ExceptionsOfABatchsLogComeAfterTheCall
         })

@@ -42,6 +42,34 @@ internal static partial class Binding
         }
     }
 
+    // Unity aborts threads when it loads programs anew.
+    private static void AThreadAbortedInALogEndsAfterTheCall()
+    {
+        bool ended = false;
+        var desc = TestDesc();
+        desc.Log = (level, sentence) => Thread.CurrentThread.Abort();
+        using (var fluid = FallingTooFast(desc))
+        {
+            var thread = new Thread(() =>
+            {
+                try
+                {
+                    fluid.Step();
+                }
+                catch (ThreadAbortException)
+                {
+                    ended = true;
+                    Thread.ResetAbort();
+                }
+            });
+            thread.Start();
+            thread.Join();
+            Equal(true, ended);
+            Equal(1ul, fluid.GetInfo().Step); // the step has come to its end
+            fluid.Step();
+        }
+    }
+
     private static void ALogOfBegunStepsDisposes()
     {
         Solver fluid = null;

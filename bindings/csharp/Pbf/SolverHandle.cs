@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Runtime.ExceptionServices;
 using System.Runtime.InteropServices;
+using System.Threading;
 
 namespace Pbf
 {
@@ -111,6 +112,7 @@ namespace Pbf
         internal static void ThrowOn(LogTarget log)
         {
             var thrown = log?.Take();
+            if (thrown is ThreadAbortException) Thread.CurrentThread.Abort();
             if (thrown != null) ExceptionDispatchInfo.Capture(thrown).Throw();
         }
 
@@ -135,6 +137,8 @@ namespace Pbf
             }
             catch (Exception exception)
             {
+                // An abort would go on where this ends, through the library: it begins anew after the call.
+                if (exception is ThreadAbortException) Thread.ResetAbort();
                 if (target == null) return;
                 lock (target.gate) target.thrown = target.thrown ?? exception;
             }
