@@ -152,6 +152,9 @@ void tell(pbf_shape *shape, const std::string &path) {
 
 void bake_file(const Options &options) {
   const auto begin = std::chrono::steady_clock::now();
+  std::error_code one_is_not_there;
+  if (std::filesystem::equivalent(options.mesh, options.out, one_is_not_there))
+    throw std::runtime_error(options.out + " is the mesh itself, which would be lost");
   bake::Mesh mesh = bake::read_mesh(options.mesh);
   place(mesh, options);
   const double cell = cell_of(mesh, options);

@@ -58,7 +58,8 @@ def fill_ball(center: Vector, radius: float, spacing: float) -> Positions:
     """The points of a lattice about `center` that are nearer to it than `radius`; in 2D a disc."""
     spacing, radius = _spacing(spacing), real("radius", radius)
     if not 0 < radius <= 1e6 * spacing:
-        raise InvalidArgumentError(f"radius is {radius}; it must be above 0, and finite")
+        raise InvalidArgumentError(
+            f"radius is {radius}; it must be above 0, and at most a million spacings, {1e6 * spacing:g}")
     middle = np.array(reals("center", center, (2, 3)))
     half = np.ceil(radius / spacing) * spacing
     points = fill_box(middle - half, middle + half, spacing)

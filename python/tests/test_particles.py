@@ -187,6 +187,8 @@ def test_fill():
                  lambda: pbf.fill_lattice((0, 0), (1, -1), 1)):
         with pytest.raises(pbf.InvalidArgumentError):
             call()
+    with pytest.raises(pbf.InvalidArgumentError, match="at most a million spacings, 50000"):
+        pbf.fill_ball((0, 0), 1e9, 0.05)
 
 
 def test_add_shapes(make):

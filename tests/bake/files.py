@@ -319,6 +319,17 @@ def what_is_written_is_whole_or_as_before():
     check("its permissions stay", (WORK / "kept.pbfshape").stat().st_mode & 0o777 == 0o600)
 
 
+def a_mesh_is_not_written_over():
+    vertices, faces = box((0.5, 0.5, 0.5))
+    write_obj("only.obj", vertices, faces)
+    before = (WORK / "only.obj").read_bytes()
+    (WORK / "other.obj").unlink(missing_ok=True)
+    (WORK / "other.obj").symlink_to("only.obj")
+    for name in ("only.obj", "./only.obj", "other.obj"):
+        refused("is the mesh itself", "only.obj", name, "--cell", 0.2)
+    check("a mesh stays", (WORK / "only.obj").read_bytes() == before)
+
+
 def readers_may_go_away():
     pipe = WORK / "pipe.pbfshape"
     os.mkfifo(pipe)
@@ -344,5 +355,6 @@ none_reads_on_for_a_program_that_was_killed()
 what_is_no_file_is_told()
 what_is_told_is_one_line()
 what_is_written_is_whole_or_as_before()
+a_mesh_is_not_written_over()
 readers_may_go_away()
 sys.exit(1 if failures else 0)
