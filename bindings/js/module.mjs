@@ -85,9 +85,31 @@ const files = {
   threads: (name = "./pbf-threads.wasm") => new URL(name, import.meta.url),
 };
 
+// What an exception of the engine's, as where the stack is full, has left halfway in the module: its stack, locks and heap
+// are then not to be gone on with.
+let left;
+const endings = ["free", "pbf_destroy", "pbf_batch_destroy", "pbf_release_shape", "pbf_unmap"]; // need not be called then
+
+function guarded(name, call) {
+  return (...args) => {
+    if (left && endings.includes(name)) return 0;
+    if (left) throw new PbfError(constants.ERROR_STATE, "PBF_ERROR_STATE", `a call was left halfway (${left}); only another page or worker can go on`);
+    try {
+      return call(...args);
+    } catch (error) {
+      left = error;
+      throw error;
+    }
+  };
+}
+
+function guardedAll(all) {
+  return Object.fromEntries(Object.entries(all).map(([name, one]) => [name, typeof one === "function" ? guarded(name, one) : one]));
+}
+
 async function loadOne(source) {
   const instance = await WebAssembly.instantiate(await compiled(source, files.one), imports);
-  exports = instance.exports;
+  exports = guardedAll(instance.exports);
   exports._initialize?.();
 }
 
@@ -99,7 +121,7 @@ function logLater({ user, level, sentence }) {
 async function loadThreads(threads, source) {
   const { begin } = await import("./threads.mjs"); // a page without does not load it
   const begun = await begin(threads, () => compiled(source, files.threads), imports, logLater);
-  exports = begun.exports;
+  exports = guardedAll(begun.exports);
   return begun.threads;
 }
 
@@ -286,6 +308,8 @@ export function withRows(where, values, components, Type, use) {
   if (values.length % components) throw invalid(`${where} has ${values.length} numbers, no multiple of ${components}`);
   const given = values.buffer === exports.memory.buffer ? values.slice() : values; // a view, which ends where memory grows
   return withBytes(given.length * Type.BYTES_PER_ELEMENT, (at) => {
+    if (Type === Uint32Array && !(given instanceof Type)) // which takes what is no whole number for another one
+      for (let k = 0; k < given.length; ++k) numberOf(`${where}[${k}]`, "u32", given[k]);
     new Type(exports.memory.buffer, at, given.length).set(given);
     return use(at, given.length / components);
   });

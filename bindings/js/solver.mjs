@@ -163,7 +163,11 @@ export class Solver {
   }
 
   #withBox(lower, upper, use) {
-    const corners = [...lower, 0, 0, 0].slice(0, 3).concat([...upper, 0, 0, 0].slice(0, 3));
+    for (const [where, corner] of Object.entries({ lower, upper })) {
+      if (corner?.length === this.#dimension || corner?.length === 3) continue;
+      throw invalid(`${where} has ${corner?.length ?? 0} numbers; it must have ${this.#dimension}`);
+    }
+    const corners = [...lower, 0].slice(0, 3).concat([...upper, 0].slice(0, 3));
     return this.#withRows("corners", corners, 1, (at) => use(at, at + 24), Float64Array);
   }
 

@@ -310,6 +310,28 @@ test("a worker has a module of its own, and the same bits", async () => {
   solver.destroy();
 });
 
+// Where the stack is full a call ends wherever it is; with it in a worker, since nothing goes on in that module.
+test("what the engine leaves halfway is not gone on with", { skip: threads !== 1 }, async () => {
+  const source = `
+    import { parentPort } from "node:worker_threads";
+    import { Solver } from ${JSON.stringify(pathToFileURL(`${folder}/pbf.mjs`).href)};
+    const solver = await Solver.create({ capacity: 10 }), other = await Solver.create({ capacity: 10 });
+    solver.addParticles([0.5, 0.5, 0.5]);
+    const deeper = () => { solver.step(); deeper(); };
+    const told = [];
+    for (let k = 0; k < 100 && !told.includes("PBF_ERROR_STATE"); ++k) {
+      try { deeper(); } catch (error) { told.push(error.code ?? error.constructor.name); }
+      try { other.count; } catch (error) { told.push(error.code); }
+    }
+    solver.destroy();
+    other.destroy();
+    parentPort.postMessage(told);`;
+  const worker = new Worker(new URL(`data:text/javascript,${encodeURIComponent(source)}`), { resourceLimits: { stackSizeMb: 1 } });
+  const told = await new Promise((done, failed) => worker.once("message", done).once("error", failed));
+  await worker.terminate();
+  assert.deepEqual([...new Set(told)], ["RangeError", "PBF_ERROR_STATE"]);
+});
+
 // ---- Shapes, queries, emitters, phases, loads and batches, against what geometry and mechanics say they must be
 
 const D = 0.05; // the spacing by default
@@ -322,6 +344,18 @@ const refused = (call, message, code = "PBF_ERROR_INVALID_ARGUMENT") =>
     assert.match(error.message, message);
     return true;
   });
+
+test("whole numbers and corners are no others", async () => {
+  const solver = await lattice();
+  for (const ids of [[1.5], [-1], [2 ** 32], ["1"], [undefined], [, 1]]) refused(() => solver.removeParticles(ids), /^ids\[0\] is /);
+  refused(() => solver.setParticlePhases([0.5]), /^phases\[0\] is 0.5/);
+  refused(() => solver.findInBox([0], [1, 1, 1]), /^lower has 1 numbers; it must have 3$/);
+  refused(() => solver.removeInBox([0, 0, 0], [1, 1]), /^upper has 2 numbers; it must have 3$/);
+  solver.removeParticles([1]);
+  solver.removeParticles(new Uint32Array([2]));
+  assert.equal(solver.count, 998);
+  solver.destroy();
+});
 
 /** A lattice of 10 by 10 by 10 particles, at rest, in a corner of the tank. */
 async function lattice() {
