@@ -60,8 +60,9 @@ typedef struct pbf_allocator {
  * one. An item that has begun may be waited for, and must not be suspended (by a fiber) for other
  * work: it calls nothing of the caller's. One that runs after its task's end does nothing, and
  * where `finish_task` returns too soon, the call into pbf waits for those that have begun. Neither
- * function may call into the same solver. Bits do not depend on which thread runs what, nor on its
- * floating-point environment. */
+ * function may call into the same solver, be left by an exception or a longjmp, or end its thread:
+ * items may be in what the call has on its stack, and the solver then stays busy. Bits do not
+ * depend on which thread runs what, nor on its floating-point environment. */
 typedef void (*pbf_task_fn)(void *task, uint32_t first, uint32_t last);
 typedef void *(*pbf_enqueue_task_fn)(void *user, pbf_task_fn run, void *task, uint32_t items,
                                      uint32_t min_range);
