@@ -106,6 +106,16 @@ PRAGMAS = """#pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC optimize("fp-contract=off")
 #endif
 """
+# As the project's own build has it; and C++20 would have numbers of enumerations be written otherwise.
+CPP_PRAGMAS = PRAGMAS + """#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#if __cplusplus > 201703L
+#pragma GCC diagnostic ignored "-Wdeprecated-enum-float-conversion"
+#pragma GCC diagnostic ignored "-Wdeprecated-enum-enum-conversion"
+#ifdef __clang__
+#pragma GCC diagnostic ignored "-Wdeprecated-anon-enum-enum-conversion"
+#endif
+#endif
+"""
 
 
 def build_header(dimension, bits):
@@ -139,7 +149,7 @@ def c_file(generated):
 def cpp_file(generated, dimension, bits):
     real = "float" if bits == "32" else "double"
     out = ["/* The CPU backend of one kind of fluid, written by tools/amalgamate.py. */\n",
-           refusal("this file is C++17: compile it by -std=gnu++17", "!defined(__cplusplus) || __cplusplus < 201703L"), PRAGMAS,
+           refusal("this file is C++17: compile it by -std=gnu++17", "!defined(__cplusplus) || __cplusplus < 201703L"), CPP_PRAGMAS,
            f"#define PBF_DIM {dimension}\n"
            f"#define PBF_BITS {bits}\n#define PBF_REAL {real}\n#define PBF_LANES_SCALAR\n"]
     joined = Joined(generated)
