@@ -44,9 +44,9 @@ static __attribute__((noinline)) void find_planes(Shape shape, const pbf_surface
 }
 
 /* The same of a face of a box that fluid is inside of. */
-static __attribute__((noinline)) void find_face(const pbf_surface *surface, int face,
-                                                const lane_values *x, pbf_real reach,
-                                                lane_planes *restrict planes) {
+static inline __attribute__((noinline)) void find_face(const pbf_surface *surface, int face,
+                                                       const lane_values *x, pbf_real reach,
+                                                       lane_planes *restrict planes) {
   const pbf_surface s = *surface;
   memset(planes->sides, 0, sizeof planes->sides);
   for (uint32_t l = 0; l < WIDTH; ++l) {
@@ -76,8 +76,9 @@ PBF_FN bool meet_plane(const pbf_surface *s, int plane, int planes, const lane_v
 
 /* 0: there are surfaces without a closed form among these, or more planes than there is room for.
  */
-static __attribute__((noinline)) bool meet_solids(const pbf_constants *c, const pbf_obstacles *near,
-                                                  const lane_values *x, met_solids *met) {
+static inline __attribute__((noinline)) bool meet_solids(const pbf_constants *c,
+                                                         const pbf_obstacles *near,
+                                                         const lane_values *x, met_solids *met) {
   met->count = 0;
   for (int k = 0; k < near->count; ++k) {
     const pbf_surface *s = &near->surfaces[k];
@@ -119,9 +120,10 @@ struct planes_alone {
   lane_planes of;
 };
 
-static __attribute__((noinline)) void find_alone(const pbf_constants *c, const met_solids *met,
-                                                 const pbf_real to_wall[WIDTH],
-                                                 planes_alone *restrict alone) {
+static inline __attribute__((noinline)) void find_alone(const pbf_constants *c,
+                                                        const met_solids *met,
+                                                        const pbf_real to_wall[WIDTH],
+                                                        planes_alone *restrict alone) {
   const pbf_real h = c->h, reach = contribution_reach(c);
   memset(alone, 0, sizeof *alone);
   for (uint32_t k = 0; k < met->count; ++k) {
@@ -145,9 +147,9 @@ static __attribute__((noinline)) void find_alone(const pbf_constants *c, const m
   }
 }
 
-static __attribute__((noinline)) void add_planes_alone(const pbf_constants *constants,
-                                                       const planes_alone *alone,
-                                                       lane_boundary *restrict boundary) {
+static inline __attribute__((noinline)) void add_planes_alone(const pbf_constants *constants,
+                                                              const planes_alone *alone,
+                                                              lane_boundary *restrict boundary) {
   const pbf_constants c = *constants;
   lane_walls face = {{0}, {0}};
   add_wall_lanes(constants, alone->of.distance, 1, &face);
@@ -167,10 +169,11 @@ static __attribute__((noinline)) void add_planes_alone(const pbf_constants *cons
 }
 
 /* Of a particle that several are near, or a wall. */
-static __attribute__((noinline)) void add_planes_of(const pbf_constants *c,
-                                                    const pbf_domain *domain, const lane_values *x,
-                                                    pbf_real to_wall, const met_solids *met,
-                                                    uint32_t l, lane_boundary *boundary) {
+static inline __attribute__((noinline)) void add_planes_of(const pbf_constants *c,
+                                                           const pbf_domain *domain,
+                                                           const lane_values *x, pbf_real to_wall,
+                                                           const met_solids *met, uint32_t l,
+                                                           lane_boundary *boundary) {
   const pbf_vec place = lane_value(x, l);
   pbf_boundary by_all = {0, 0, 0, {{0}}, {{0}}};
   pbf_vec gradient = {{0}};
@@ -186,7 +189,7 @@ static __attribute__((noinline)) void add_planes_of(const pbf_constants *c,
 }
 
 /* In place of what the domain contributes to those that solids are near. */
-static __attribute__((noinline)) void boundary_of_solids(
+static inline __attribute__((noinline)) void boundary_of_solids(
     const pbf_constants *c, const pbf_domain *domain, const lane_values *x,
     const pbf_real to_wall[WIDTH], const met_solids *met, lane_boundary *boundary) {
   planes_alone alone;
