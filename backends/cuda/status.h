@@ -4,7 +4,7 @@
 
 #include "cuda/plugin.h"
 
-/* What ails a process whose parent had begun with CUDA before it forked. */
+/* Why calls fail in the child of a process that has begun with CUDA. */
 #define PBF_CUDA_AFTER_FORK                                                                \
   "CUDA works in no process that was forked off after it had begun: start such a process " \
   "anew (exec; Python's \"spawn\")"

@@ -158,8 +158,8 @@ static void water_stands_whatever_the_order(void **state) {
 }
 
 /* One that comes where none stood is found, also if the list is set once more in another order
- * before a step, and one of the same kind and place whose face looks elsewhere: what it finds is
- * not thrown. At most a fall by the water's depth. */
+ * before a step, and one of the same kind and place with a face that looks elsewhere: what it finds
+ * is not thrown. At most a fall by the water's depth. */
 static void check_placed(uint32_t dimension, uint32_t precision) {
   const double dt = 1.0 / 480, torricelli = sqrt(2 * gravity * LAYERS * d);
   for (int aslant = 0; aslant <= 1; ++aslant) {
