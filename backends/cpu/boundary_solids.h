@@ -1,7 +1,7 @@
 /* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane,
- * where all near it have a closed form: as pbf_boundary_at does to the bit. How far each is from
- * all particles is found in lanes. Most particles that any is near are near one alone and no wall;
- * what it contributes to these is found in lanes, too. */
+ * where all solids near the group have a closed form: as pbf_boundary_at does to the bit. How far
+ * each solid is from all particles of the group is found in lanes. Most particles near solids are
+ * near one alone and no wall; what that one contributes is found in lanes, too. */
 #ifndef PBF_CPU_BOUNDARY_SOLIDS_H
 #define PBF_CPU_BOUNDARY_SOLIDS_H
 

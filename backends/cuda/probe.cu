@@ -56,7 +56,7 @@ void pbf_cuda_probe(const pbf_workload *workload, pbf_probe_result *result) {
     return;
   }
   if (is_after_fork()) {
-    snprintf(result->reason, sizeof result->reason, "%s", PBF_CUDA_AFTER_FORK);
+    snprintf(result->reason, sizeof result->reason, "%s", pbf_cuda_after_fork);
     return;
   }
   if (workload->device < 0 || workload->device >= count) {

@@ -12,9 +12,10 @@ pbf_status pbf_cuda_check(cudaError_t error, const char *call) {
     pbf_cuda_host->set_error(sentence);
     return PBF_ERROR_OUT_OF_MEMORY;
   }
-  snprintf(sentence, sizeof sentence, "%s failed with %s: %s%s", call, cudaGetErrorName(error),
-           cudaGetErrorString(error),
-           error == cudaErrorInitializationError ? "; " PBF_CUDA_AFTER_FORK : "");
+  const bool is_of_fork = error == cudaErrorInitializationError;
+  snprintf(sentence, sizeof sentence, "%s failed with %s: %s%s%s", call, cudaGetErrorName(error),
+           cudaGetErrorString(error), is_of_fork ? "; " : "",
+           is_of_fork ? pbf_cuda_after_fork : "");
   pbf_cuda_host->set_error(sentence);
   return PBF_ERROR_DEVICE;
 }

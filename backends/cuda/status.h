@@ -5,9 +5,9 @@
 #include "cuda/plugin.h"
 
 /* Why calls fail in the child of a process that has begun with CUDA. */
-#define PBF_CUDA_AFTER_FORK                                                                \
-  "CUDA works in no process that was forked off after it had begun: start such a process " \
-  "anew (exec; Python's \"spawn\")"
+inline constexpr char pbf_cuda_after_fork[] =
+    "CUDA works in no process that was forked off after it had begun: start such a process anew "
+    "(exec; Python's \"spawn\")";
 
 /* PBF_OK, or the status for `error` with a sentence that names `call`. */
 pbf_status pbf_cuda_check(cudaError_t error, const char *call);

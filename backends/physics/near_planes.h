@@ -118,7 +118,7 @@ PBF_FN_NOINLINE void pbf_visit_field_planes(const pbf_constants *c, const pbf_fi
 }
 
 /* Whether a face looks the same way as a wall of the domain that is within reach, too. Such faces
- * are visited first: between the two what they face would hide that they are one. */
+ * are visited first: a plane that faces both, visited in between, would hide that they are one. */
 PBF_FN_HOST_NOINLINE int pbf_lies_along_wall(const pbf_domain *domain, pbf_vec x, pbf_real reach,
                                              const pbf_near_face *face) {
   for (int k = 0; k < PBF_DIM; ++k) {

@@ -10,8 +10,8 @@
 
 /* The density error of all particles as one number. Their mean hides a few particles that were
  * placed where others are, or too near to a solid that was left out of a lattice: the max counts,
- * too, as the error of one particle in five. Of 0.5 that
- * were left balls in a pool threw it at 5 m/s in steps of 0.06 sqrt(d / g), of 0.1 at 0.8. */
+ * too, as the error of one particle in five. A max of 0.5 that was left around a ball in a pool
+ * threw particles at 5 m/s in steps of 0.06 sqrt(d / g), one of 0.1 at 0.8 m/s. */
 static inline double pbf_density_error(const pbf_stats *stats) {
   const double particles_a_max = 5;
   return fmax(stats->density_error_mean, stats->density_error_max / particles_a_max);

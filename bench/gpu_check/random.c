@@ -216,7 +216,8 @@ static void draw(random_scene *r, uint64_t seed) {
   draw_colliders(r);
   draw_flow(r);
   if (chance(0.1)) r->phases[0] = 1, r->phases[1] = from(0.5, 2), note(r, "phases");
-  /* Passes of many iterations until fluid has its room end apart, as steps of a splash do. */
+  /* It repeats iterations until the error is small: afterwards backends differ as after a splash.
+   */
   r->of.params.prestabilization = 0;
 }
 

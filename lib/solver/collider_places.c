@@ -16,7 +16,7 @@ static cell cell_of(const pbf_collider_places *places, const double position[3])
   return at;
 }
 
-/* Of what has another kind or geometry all is elsewhere. */
+/* Colliders of different kind or geometry are never near each other: they are kept apart. */
 static uint32_t bucket_of(const pbf_collider_places *places, const pbf_collider *collider,
                           const cell *at) {
   uint64_t hash = collider->shape;
