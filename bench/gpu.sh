@@ -100,6 +100,7 @@ for test in plugin device caller rows lost forked vulkan; do
     echo "test-$test.txt: not built: no cmocka, or no Vulkan"
   fi
 done
+run barriers.txt python3 -B "$root/tests/cuda/barriers.py" "$build/lib/pbf/backends/pbf_backend_cuda.so"
 run same.json "$check" same
 # What takes long in verify is the reference, one thread each.
 for part in 2d-f32 2d-f64 3d-f32 3d-f64 large; do

@@ -19,7 +19,7 @@ struct near_surfaces {
   const uint16_t *of;
 
   template <class Visit>
-  void each(const pbf_obstacles &, Visit visit) const {
+  void each(int, Visit visit) const {
     for (int k = 0; k < count; ++k) visit((int)of[k]);
   }
 

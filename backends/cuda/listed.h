@@ -51,9 +51,7 @@ static __device__ __noinline__ pbf_boundary add_listed(const listed_scene *of,
                                                        const pbf_surface *all,
                                                        const uint16_t *numbers, int count,
                                                        pbf_vec x, pbf_boundary boundary) {
-  const auto listed = [&](auto visit) {
-    for (int k = 0; k < count; ++k) visit(all[numbers[k]], k);
-  };
+  const each_surface<pbf_surface_list> listed = {{all, numbers}, count, 0};
   pbf_accumulate_surfaces(&of->constants, &of->domain, x, listed, &boundary);
   return boundary;
 }

@@ -149,8 +149,8 @@ using load_tally_asked = std::conditional_t<LISTED, pbf_load_tally, pbf_few_load
 struct listed_numbers {
   listed_obstacles near;
 
-  template <class Obstacles, class Visit>
-  PBF_IN void each(const Obstacles &, Visit visit) const {
+  template <class Visit>
+  PBF_IN void each(int, Visit visit) const {
     for (int k = 0; k < near.count; ++k) visit(near.surfaces.number(k));
   }
 };

@@ -188,10 +188,8 @@ namespace {
 template <class Obstacles>
 PBF_FN void pbf_accumulate_colliders(const pbf_constants *c, const Obstacles &o, pbf_vec x,
                                      pbf_boundary *boundary) {
-  const auto all = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
-  };
-  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, x, all, boundary);
+  if (pbf_surface_count(o) > 0)
+    pbf_accumulate_surfaces(c, &o.domain, x, all_surfaces_of(o), boundary);
 }
 
 /* What all surfaces contribute at x. */
@@ -208,10 +206,7 @@ template <class Obstacles>
 PBF_FN_HOST_NOINLINE pbf_boundary pbf_boundary_at_time(const pbf_constants *c, const Obstacles &o,
                                                        pbf_vec x, pbf_vec at, int before) {
   pbf_boundary boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  const auto all = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k)
-      visit(before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k], k);
-  };
+  const each_surface_at_time<decltype(o.surfaces)> all = {o.surfaces, pbf_surface_count(o), before};
   if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &o.domain, at, all, &boundary);
   return boundary;
 }

@@ -56,7 +56,8 @@ static inline int pbf_features_of(const pbf_params *params) {
 
 /* A function of the physics (IN: a struct's own): inlined on every processor; `HOST_NOINLINE`,
  * large and asked for from many places, on a device only; `NOINLINE`, large and seldom called,
- * nowhere.
+ * nowhere. One of these that calls others is to end, on a device, in something that all threads
+ * do: those that leave early go on without the rest (tests/cuda/barriers.py).
  * UNROLLED is before a loop over arrays that are to be registers of a device. */
 #ifdef __CUDACC__
 enum { PBF_ON_GPU = 1 };

@@ -62,7 +62,7 @@ PBF_FN void each_solid_near(const Obstacles &o, const Near &near, double spacing
     if (distance < reach) meet(solid, distance, normal);
   };
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) ask(wall);
-  near.each(o, [&](int k) {
+  near.each(pbf_surface_count(o), [&](int k) {
     if (!pbf_surface_is_beyond(&o.surfaces[k], x, reach)) ask(PBF_WALLS + k);
   });
 }

@@ -99,9 +99,22 @@ PBF_FN pbf_load_plane load_plane_of_surface(const pbf_constants *c, const pbf_su
 
 /* The surfaces that a particle may be near. An executor that knows more has another one. */
 struct all_surfaces {
-  template <class Obstacles, class Visit>
-  PBF_IN void each(const Obstacles &o, Visit visit) const {
-    for (int k = 0; k < pbf_surface_count(o); ++k) visit(k);
+  template <class Visit>
+  PBF_IN void each(int all, Visit visit) const {
+    for (int k = 0; k < all; ++k) visit(k);
+  }
+};
+
+/* Calls visit(surface, number) for those. */
+template <class Surfaces, class Near>
+struct each_near_surface {
+  Surfaces surfaces;
+  int count;
+  Near near;
+
+  template <class Visit>
+  PBF_IN void operator()(Visit visit) const {
+    near.each(count, [&](int k) { visit(surfaces[k], PBF_WALLS + k); });
   }
 };
 
@@ -114,9 +127,8 @@ PBF_FN_HOST_NOINLINE int find_load_planes(const pbf_constants *c, const Obstacle
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall)
     if (pbf_wall_distance(&o.domain, wall, x) < reach)
       planes[count++] = load_plane_of_wall(c, &o.domain, wall, x);
-  const auto all = [&](auto meet) {
-    near.each(o, [&](int k) { meet(o.surfaces[k], PBF_WALLS + k); });
-  };
+  const each_near_surface<decltype(o.surfaces), Near> all = {o.surfaces, pbf_surface_count(o),
+                                                             near};
   pbf_each_near_plane(c, &o.domain, x, reach, all, [&](const pbf_near_face &face, pbf_real part) {
     if (count < PBF_LOAD_PLANES) planes[count++] = load_plane_of_face(c, face, part);
   });

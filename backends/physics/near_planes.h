@@ -15,24 +15,13 @@ PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real d
   return {normal, distance, pbf_surface_is_unbounded(s), solid};
 }
 
-/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. */
-template <class Visit>
-PBF_FN_NOINLINE void pbf_visit_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                     pbf_vec x, pbf_real reach, Visit visit) {
-  pbf_facets facets;
-  pbf_find_facets(s, reach, c->h, x, &facets);
-  for (int k = 0; k < facets.count; ++k)
-    if (facets.of[k].distance < reach)
-      visit(pbf_face_of_surface(s, solid, facets.of[k].distance, facets.of[k].normal), 1);
-}
-
-/* The same with what others leave of each, put among the planes of others. */
+/* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. They are
+ * put among the planes of others, with what others leave of each. */
 template <class Each>
-PBF_FN_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s, int solid,
-                                    pbf_vec x, pbf_real reach, Each each,
-                                    pbf_field_planes *planes) {
+PBF_FN_NOINLINE void pbf_meet_field(pbf_real h, const pbf_surface *s, int solid, pbf_vec x,
+                                    pbf_real reach, Each each, pbf_field_planes *planes) {
   pbf_facets facets;
-  pbf_find_facets(s, reach, c->h, x, &facets);
+  pbf_find_facets(s, reach, h, x, &facets);
   for (int k = 0; k < facets.count; ++k) {
     pbf_facet plane = facets.of[k];
     if (!(plane.distance < reach)) continue;
@@ -40,6 +29,7 @@ PBF_FN_NOINLINE void pbf_meet_field(const pbf_constants *c, const pbf_surface *s
     const pbf_near_face face = pbf_face_of_surface(s, solid, plane.distance, plane.normal);
     pbf_put_field_plane(&face, part, planes);
   }
+  planes->fields += 1; /* here, so that no thread leaves early */
 }
 
 /* Visits the planes of a surface within reach, but for those of fields and flat faces, which are
@@ -51,11 +41,10 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
   if (pbf_surface_is_beyond(s, x, reach)) return;
   if constexpr (may_be_field<Surface>::value)
     if (pbf_surface_is_field(s)) {
-      of_fields->fields += 1;
-      if constexpr (!PBF_FINDS_SEAMS)
-        pbf_visit_field(c, s, solid, x, reach, visit);
-      else if (pbf_may_be_within(s, x, reach))
-        pbf_meet_field(c, s, solid, x, reach, each, of_fields);
+      if (pbf_may_be_within(s, x, reach))
+        pbf_meet_field(c->h, s, solid, x, reach, each, of_fields);
+      else
+        of_fields->fields += 1;
       return;
     }
   const int planes = pbf_surface_planes(s);
@@ -103,17 +92,17 @@ PBF_FN_HOST_NOINLINE void pbf_put_domain(const pbf_constants *c, const pbf_domai
 
 /* Visits the planes of fields, and drops flat faces behind them. */
 template <class Visit>
-PBF_FN_NOINLINE void pbf_visit_field_planes(const pbf_constants *c, const pbf_field_planes *planes,
+PBF_FN_NOINLINE void pbf_visit_field_planes(pbf_real h, const pbf_field_planes *planes,
                                             pbf_near_faces *faces, Visit visit) {
   for (int k = 0; k < planes->count; ++k) {
     const pbf_near_face *face = &planes->of[k].face;
-    const pbf_real part = planes->of[k].part * pbf_part_not_behind(c, face, planes, faces);
+    const pbf_real part = planes->of[k].part * pbf_part_not_behind(h, face, planes, faces);
     if (part > 0) visit(*face, part);
   }
   const pbf_near_faces before = *faces;
   faces->count = 0;
   for (int k = 0; k < before.count; ++k)
-    if (pbf_part_not_behind(c, &before.of[k], planes, &before) > (pbf_real)0.5)
+    if (pbf_part_not_behind(h, &before.of[k], planes, &before) > (pbf_real)0.5)
       faces->of[faces->count++] = before.of[k];
 }
 
@@ -142,7 +131,7 @@ PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain
   each([&](const auto &s, int solid) {
     pbf_meet_surface(c, &s, solid, x, reach, &faces, &edges, &planes, each, visit);
   });
-  if (planes.count > 0) pbf_visit_field_planes(c, &planes, &faces, visit);
+  if (planes.count > 0) pbf_visit_field_planes(c->h, &planes, &faces, visit);
   uint32_t first = 0;
   for (int k = 0; k < faces.count && faces.count > 1; ++k)
     if (pbf_lies_along_wall(domain, x, reach, &faces.of[k])) first |= UINT32_C(1) << k;

@@ -127,14 +127,25 @@ PBF_FN void put_no_slip_plane(const pbf_constants *c, int surface, pbf_real no_s
     planes->of[planes->count++] = {surface, rate, distance, normal};
 }
 
+/* Calls visit(surface, number) for all but fields. */
+template <class Surfaces>
+struct each_surface_but_fields {
+  each_surface<Surfaces> all;
+
+  template <class Visit>
+  PBF_IN void operator()(Visit visit) const {
+    all([&](const auto &s, int k) {
+      if (!pbf_surface_is_field(&s)) visit(s, k);
+    });
+  }
+};
+
 /* Those of colliders; of fields the nearest alone. */
 template <class Obstacles, class NoSlip>
 PBF_FN void find_no_slip_surfaces(const pbf_constants *c, const Obstacles &o, const NoSlip &n,
                                   pbf_vec x, no_slip_planes *planes) {
   const auto no_slip_of = [&](int k) { return n.of[pbf_surface_number(o.surfaces, k)]; };
-  const auto every = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
-  };
+  const auto every = all_surfaces_of(o);
   bool any = false;
   for (int k = 0; k < pbf_surface_count(o); ++k) {
     const auto &s = o.surfaces[k];
@@ -148,10 +159,7 @@ PBF_FN void find_no_slip_surfaces(const pbf_constants *c, const Obstacles &o, co
     put_no_slip_plane(c, k, part * no_slip_of(k), plane.distance, plane.normal, planes);
   }
   if (!any) return;
-  const auto all = [&](auto meet) {
-    for (int k = 0; k < pbf_surface_count(o); ++k)
-      if (!pbf_surface_is_field(&o.surfaces[k])) meet(o.surfaces[k], k);
-  };
+  const each_surface_but_fields<decltype(o.surfaces)> all = {every};
   pbf_each_near_plane(c, &o.domain, x, c->h, all, [&](const pbf_near_face &face, pbf_real part) {
     put_no_slip_plane(c, face.solid, part * no_slip_of(face.solid), face.distance, face.normal,
                       planes);

@@ -12,10 +12,6 @@
 #include "physics/facets.h"
 #include "physics/near_faces.h"
 
-/* Not on GPUs: right in what is computed there, but nvcc 13.0 makes code of it that reads wrong
- * addresses (docs/notes/cuda.md). */
-enum { PBF_FINDS_SEAMS = !PBF_ON_GPU };
-
 PBF_FN_NOINLINE pbf_real pbf_look_at_surface(const pbf_surface *s, pbf_vec y, pbf_vec *normal) {
   return pbf_nearest_distance(s, y, (pbf_real)INFINITY, normal);
 }
@@ -156,31 +152,31 @@ typedef struct pbf_beside {
   pbf_facet seen, plane;
 } pbf_beside;
 
+/* No thread leaves it early. */
 PBF_FN_NOINLINE void pbf_look_beside(pbf_beside *b, const pbf_surface *other, int number) {
-  if (number == b->seam.number || !(b->part > 0)) return;
-  b->seam.other = other, b->seam.other_number = number;
-  b->seam.cell = pbf_real_max(b->cell, pbf_cell_of(other));
-  if (!pbf_may_be_beside(&b->seam, b->x, &b->seen)) return;
-  b->part = pbf_real_min(b->part, pbf_part_beside(&b->seam, b->x, b->reach, &b->seen, &b->plane));
+  pbf_real part = b->part;
+  if (number != b->seam.number && part > 0) {
+    b->seam.other = other, b->seam.other_number = number;
+    b->seam.cell = pbf_real_max(b->cell, pbf_cell_of(other));
+    if (pbf_may_be_beside(&b->seam, b->x, &b->seen))
+      part = pbf_real_min(part, pbf_part_beside(&b->seam, b->x, b->reach, &b->seen, &b->plane));
+  }
+  b->part = part;
 }
 
 /* The part that all others leave of a plane; each(visit) calls visit(surface, number) for all. */
 template <class Each>
 PBF_FN pbf_real pbf_part_beside_others(const pbf_surface *of, int number, pbf_vec x, pbf_real reach,
                                        Each each, pbf_facet *plane) {
-  if constexpr (PBF_FINDS_SEAMS) {
-    pbf_beside b;
-    b.seam.of = of, b.seam.number = number;
-    b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
-    b.seen = b.plane = *plane;
-    each([&](const auto &other, int k) {
-      if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
-    });
-    *plane = b.plane;
-    return b.part;
-  } else {
-    return 1;
-  }
+  pbf_beside b;
+  b.seam.of = of, b.seam.number = number;
+  b.x = x, b.reach = reach, b.cell = pbf_cell_of(of), b.part = 1;
+  b.seen = b.plane = *plane;
+  each([&](const auto &other, int k) {
+    if (pbf_surface_is_field(of) || pbf_surface_is_field(&other)) pbf_look_beside(&b, &other, k);
+  });
+  *plane = b.plane;
+  return b.part;
 }
 
 /* ---- Planes of all fields ------------------------------------------------------------------- */
@@ -216,22 +212,22 @@ PBF_FN_NOINLINE void pbf_put_field_plane(const pbf_near_face *face, pbf_real par
 
 /* Whether it faces about as another plane does that is some way nearer: inside of solids that lie
  * upon each other. */
-PBF_FN int pbf_is_plane_inside(const pbf_constants *c, const pbf_near_face *plane,
+PBF_FN int pbf_is_plane_inside(pbf_real h, const pbf_near_face *plane,
                                const pbf_near_face *nearer) {
-  return plane->distance > nearer->distance + c->h / 8 &&
+  return plane->distance > nearer->distance + h / 8 &&
          pbf_dot(plane->normal, nearer->normal) > (pbf_real)0.95;
 }
 
 /* The part of a plane that is not inside. */
-PBF_FN_NOINLINE pbf_real pbf_part_not_behind(const pbf_constants *c, const pbf_near_face *plane,
+PBF_FN_NOINLINE pbf_real pbf_part_not_behind(pbf_real h, const pbf_near_face *plane,
                                              const pbf_field_planes *planes,
                                              const pbf_near_faces *faces) {
   pbf_real part = 1;
   for (int k = 0; k < planes->count; ++k)
-    if (pbf_is_plane_inside(c, plane, &planes->of[k].face))
+    if (pbf_is_plane_inside(h, plane, &planes->of[k].face))
       part = pbf_real_min(part, 1 - planes->of[k].part);
   for (int k = 0; k < faces->count; ++k)
-    if (pbf_is_plane_inside(c, plane, &faces->of[k])) part = 0;
+    if (pbf_is_plane_inside(h, plane, &faces->of[k])) part = 0;
   return part;
 }
 

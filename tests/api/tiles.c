@@ -273,14 +273,8 @@ static void check_fields(uint32_t dimension, uint32_t precision) {
   if (dimension == 2) check(&small, precision, 3, 0);
 }
 
-/* docs/limits.md: not on GPUs. */
-static void skip_on_gpus(void) {
-  if (strcmp(test_backend(), "cuda") == 0) test_skip("seams of fields are not found on GPUs");
-}
-
 static void flush_fields_are_one_solid(void **state) {
   (void)state;
-  skip_on_gpus();
   with_kinds(check_fields);
 }
 
@@ -319,7 +313,6 @@ static void check_rest(uint32_t dimension, uint32_t precision) {
 
 static void water_rests_before_their_seams(void **state) {
   (void)state;
-  skip_on_gpus();
   if (TEST_INSTRUMENTED) test_skip("nothing comes to rest in so little time");
   with_kinds(check_rest);
 }

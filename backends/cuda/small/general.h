@@ -95,9 +95,9 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
   team->meet();
   for (uint32_t i = first; i < n; i += stride)
     place_particle<SURFACES, false>(from, predict, buffers.scratch, p, i);
-  team->meet();
   point *points = p.points, *moved = buffers.moved[0]; /* p.points keeps the prediction */
   for (uint32_t k = 0; k < scene.iterations; ++k) {
+    team->meet();
     bool last = k + 1 == scene.iterations;
     const pbf_constants now = constants_at(scene, k);
     const lambda_pass<fixed<FEATURES>, SCALED_SUMS> of_lambda = {c, {}};
@@ -140,10 +140,10 @@ static __device__ __noinline__ void general_step(const small_scene &scene,
       store(scene.points, p.ids[i], to);
       scene.velocities[p.ids[i]] = v;
     }
-    team->meet();
     points = buffers.moved[k % 2];
     moved = buffers.moved[(k + 1) % 2];
   }
+  team->meet();
 }
 
 #endif

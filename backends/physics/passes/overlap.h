@@ -45,6 +45,23 @@ struct placed_density_pass {
   PBF_IN void end(sums<L> *) const {}
 };
 
+/* Calls visit(surface, number) for placed ones, or `all`. */
+template <class Surfaces>
+struct each_placed_surface {
+  Surfaces surfaces;
+  int count, before;
+  bool all;
+  uint64_t placed;
+  const uint64_t *more;
+
+  template <class Visit>
+  PBF_IN void operator()(Visit visit) const {
+    for (int k = 0; k < count; ++k)
+      if (all || pbf_set_has(placed, more, pbf_surface_number(surfaces, k)))
+        visit(before ? pbf_surface_before(&surfaces[k]) : surfaces[k], k);
+  }
+};
+
 /* The density that placed surfaces contribute at x, or `all`, as they stood `before` the step or
  * after it; `more` is for those that have no bit in `found`. */
 template <class Obstacles>
@@ -53,11 +70,8 @@ PBF_FN_HOST_NOINLINE pbf_real placed_boundary(const pbf_constants *c, const Obst
                                               pbf_vec x, int before, bool all) {
   pbf_boundary boundary = {0, 0, 0, {{0}}, {{0}}};
   if (found.walls || all) boundary = pbf_boundary_of_domain(c, &o.domain, x);
-  const auto placed = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k)
-      if (all || pbf_set_has(found.colliders, more, pbf_surface_number(o.surfaces, k)))
-        visit(before ? pbf_surface_before(&o.surfaces[k]) : o.surfaces[k], k);
-  };
+  const each_placed_surface<decltype(o.surfaces)> placed = {
+      o.surfaces, pbf_surface_count(o), before, all, found.colliders, more};
   pbf_accumulate_surfaces(c, &o.domain, x, placed, &boundary);
   return boundary.overlapping + boundary.additive;
 }

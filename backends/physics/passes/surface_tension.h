@@ -92,10 +92,8 @@ PBF_FN_HOST_NOINLINE pbf_real pbf_density_of_solids(const pbf_constants *c, cons
   pbf_domain walls = o.domain;
   walls.ghost_reach = 0;
   pbf_boundary boundary = pbf_boundary_of_domain(c, &walls, x);
-  const auto all = [&](auto visit) {
-    for (int k = 0; k < pbf_surface_count(o); ++k) visit(o.surfaces[k], k);
-  };
-  if (pbf_surface_count(o) > 0) pbf_accumulate_surfaces(c, &walls, x, all, &boundary);
+  if (pbf_surface_count(o) > 0)
+    pbf_accumulate_surfaces(c, &walls, x, all_surfaces_of(o), &boundary);
   return boundary.overlapping + boundary.additive;
 }
 

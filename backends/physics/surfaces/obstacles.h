@@ -37,6 +37,36 @@ typedef struct pbf_obstacles {
   uint16_t *room;         /* a thread's own, for PBF_OBSTACLE_LISTS lists of their numbers */
 } pbf_obstacles;
 
+namespace {
+
+/* Calls visit(surface, number) for some of a step's surfaces, the first of which has this number.
+ * Not a closure: device code holds it by value where functions are not inlined. */
+template <class Surfaces>
+struct each_surface {
+  Surfaces surfaces;
+  int count, first;
+
+  template <class Visit>
+  PBF_IN void operator()(Visit visit) const {
+    for (int k = 0; k < count; ++k) visit(surfaces[k], first + k);
+  }
+};
+
+/* … as they stood `before` the step, or after it. */
+template <class Surfaces>
+struct each_surface_at_time {
+  Surfaces surfaces;
+  int count, before;
+
+  template <class Visit>
+  PBF_IN void operator()(Visit visit) const {
+    for (int k = 0; k < count; ++k)
+      visit(before ? pbf_surface_before(&surfaces[k]) : surfaces[k], k);
+  }
+};
+
+}  // namespace
+
 /* What the cells of the grid list together, what is left of that, and of this for one particle. */
 enum { PBF_OBSTACLE_LISTS = 3 };
 
@@ -46,6 +76,11 @@ namespace {
 template <class Obstacles>
 PBF_FN int pbf_surface_count(const Obstacles &o) {
   return PBF_BUILT & PBF_FEATURE_COLLIDERS ? o.count : 0;
+}
+
+template <class Obstacles>
+PBF_FN auto all_surfaces_of(const Obstacles &o, int first = 0) {
+  return each_surface<decltype(o.surfaces)>{o.surfaces, pbf_surface_count(o), first};
 }
 
 }  // namespace
