@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""barriers.py PLUGIN: whether threads of a warp may go on without each other in its machine code.
+"""barriers.py PLUGIN, or a .cubin: whether threads of a warp may go on without each other in its machine code.
 
 Where threads part, a convergence barrier (B0 to B15, one set for each warp) holds those that are
 through until the others are. Around a call of a function that has use for the same one, ptxas holds
@@ -79,14 +79,14 @@ def read(lines):
 
 
 def disassembled(plugin):
-    cuobjdump, nvdisasm = find_tool("cuobjdump"), find_tool("nvdisasm")
+    nvdisasm = find_tool("nvdisasm")
     plugin = os.path.abspath(plugin)
     with tempfile.TemporaryDirectory() as folder:
         if plugin.endswith(".cubin"):
             shutil.copy(plugin, folder)
         else:
-            subprocess.run([cuobjdump, "--extract-elf", "all", plugin], cwd=folder, check=True,
-                           stdout=subprocess.DEVNULL)
+            subprocess.run([find_tool("cuobjdump"), "--extract-elf", "all", plugin], cwd=folder,
+                           check=True, stdout=subprocess.DEVNULL)
         for cubin in sorted(glob.glob(os.path.join(folder, "*.cubin"))):
             text = subprocess.run([nvdisasm, "-c", cubin], check=True, capture_output=True, text=True).stdout
             yield os.path.basename(cubin), text.split("\n")
