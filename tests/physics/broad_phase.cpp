@@ -10,8 +10,8 @@
 enum { PARTICLES = 6, MOST = 100 };
 
 /* Drawn at random: more of them find what is rarer. */
-static int scenes() { return test_is_long() ? 20000 : 4000; }
-static int scenes_of_many() { return test_is_long() ? 2000 : 200; }
+static int scenes() { return test_is_long() ? 20000 : TEST_INSTRUMENTED ? 1000 : 4000; }
+static int scenes_of_many() { return scenes() / (test_is_long() ? 10 : 20); }
 
 /* Some surfaces, and room for what is asked of them. */
 typedef struct crowd {
