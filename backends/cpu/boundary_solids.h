@@ -9,6 +9,7 @@ namespace {
 
 /* The nearest plane of a solid to each particle of a group. */
 struct lane_planes {
+  int solid; /* of those of loads */
   bool is_unbounded;
   alignas(64) pbf_real near[WIDTH];                   /* 1: it is within reach; 0 */
   alignas(64) pbf_real distance[WIDTH], sides[WIDTH]; /* those of pbf_shape_distance, of what is

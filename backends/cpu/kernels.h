@@ -179,23 +179,31 @@ typedef struct viscous_pass {
   field change, next; /* after the last one; and after the one before it, and then after this one */
 } viscous_pass;
 
-/* What becomes a part of loads: physics/loads.h. */
+/* The sums of a solid, and what they are told in. */
+typedef struct load_slot {
+  pbf_load_sums *sums;
+  const pbf_load_measure *measure;
+} load_slot;
+
+/* What becomes a part of loads: physics/loads.h. `recent` has the sums. */
 typedef struct load_pass {
   const pbf_constants *constants;
-  const pbf_domain *domain;
+  const pbf_obstacles *obstacles;
   const pbf_load_scales *scales;
-  const pbf_load_measure *walls; /* all have the same */
+  load_slot (*slot_of)(void *recent, int solid);
+  void *recent;
   field x, v, push;
   const pbf_real *lambda;
   const pbf_real *mobility; /* null: phases do not differ */
 } load_pass;
 
-/* What the pressure grid does to walls. */
+/* What the pressure grid does to solids. */
 typedef struct grid_load_pass {
   const pbf_pressure_grid_storage *storage;
-  const pbf_domain *domain;
+  const pbf_obstacles *obstacles;
   const pbf_load_scales *scales;
-  const pbf_load_measure *walls;
+  load_slot (*slot_of)(void *recent, int solid);
+  void *recent;
   pbf_grid_load_cubes cubes;
 } grid_load_pass;
 
@@ -274,17 +282,17 @@ typedef struct kernels {
   /* What pushes particles beside forces, at the beginning of loads: kernels_loads.h. */
   void (*note_pushes)(double units, field v, field push, const pbf_real *mobility, uint32_t first,
                       uint32_t last, pbf_wide_sum change[PBF_DIM]);
-  /* Adds up what the velocities of at most 32 particles that are awake are, and what walls, unless
-   * null, do to those of them that no collider is near; `others` are, a bit each. Returns these and
-   * those that something pushes though no wall is near. Null: built for size. */
-  uint32_t (*wall_loads)(const load_pass *p, uint32_t first, uint32_t last, uint32_t others,
-                         pbf_wide_sum change[PBF_DIM], pbf_load_sums walls[2 * PBF_DIM]);
+  /* Adds up what the velocities of at most 32 particles that are awake are, and what walls and some
+   * colliders do to them; `near` null: none is near. Returns, a bit each, those of which it is not
+   * done. Null: built for size. */
+  uint32_t (*loads)(const load_pass *p, const uint16_t *near, int count, uint32_t first,
+                    uint32_t last, pbf_wide_sum change[PBF_DIM]);
 
-  /* Adds what the grid's pressure does to walls in the cell that is the i-th along each axis, at
-   * its points but `others`, a bit each, that colliders are near. 0: it is not done, since walls
-   * hide each other there. Null: built for size. */
-  int (*wall_grid_loads)(const grid_load_pass *p, const int i[PBF_DIM], uint64_t others,
-                         pbf_load_sums walls[2 * PBF_DIM]);
+  /* Adds what the grid's pressure around points, at most as many as a group has particles, does to
+   * walls and to those of `count` colliders that are near them. 0: it is not done, since there are
+   * too many of these. Null: built for size. */
+  int (*grid_loads)(const grid_load_pass *p, const uint16_t *near, int count, field x,
+                    uint32_t points);
 
   /* The pressure grid's, over particles … */
   void (*deposit)(const pbf_pressure_grid_storage *storage, pbf_real target, field x,

@@ -1,6 +1,6 @@
-/* Part of kernels.cpp: what the pressure of a pressure grid does to walls in cells that no other
- * solid is near (physics/grid_loads.h), a point in each lane. The loops are left to the compiler's
- * vectoriser. */
+/* Part of kernels.cpp: what the pressure of a pressure grid does to solids (physics/grid_loads.h),
+ * a point in each lane. The loops over lanes are left to the compiler's vectoriser; what has no
+ * closed form is asked lane by lane. */
 #ifndef PBF_CPU_KERNELS_GRID_LOADS_H
 #define PBF_CPU_KERNELS_GRID_LOADS_H
 
@@ -10,119 +10,233 @@
 
 namespace {
 
-enum { LOAD_POINTS = PRESSURE_GRID_CHUNK, NO_WALL = -1 };
+/* As many as share_grid_pressure has room for. */
+enum { LOAD_SOLIDS = PBF_LOAD_PLANES };
 
-/* Along an axis of a cell, at each place of its points: the wall that is near it, how much of a
- * cube there is free of that, and how its psi rises over the cube and adds up at its ends. */
-struct load_points_along {
-  pbf_real place[PBF_GRID_LOAD_POINTS], distance[PBF_GRID_LOAD_POINTS];
-  int wall[PBF_GRID_LOAD_POINTS];
-  double part[PBF_GRID_LOAD_POINTS], rise[PBF_GRID_LOAD_POINTS], sum[PBF_GRID_LOAD_POINTS];
-  bool any, outside; /* walls are near some; some are behind them */
+/* A solid that some points are near, and psi of it at both ends of their cubes along each axis,
+ * times the weights of all solids there. */
+struct load_solid {
+  lane_planes planes;
+  alignas(64) pbf_real bears[WIDTH]; /* 1: fluid is at it; 0 */
+  alignas(64) double psi[PBF_DIM][2][WIDTH];
 };
 
-/* Points that walls are near. */
 struct load_points {
-  uint32_t count;
-  pbf_real x[PBF_DIM][LOAD_POINTS], distance[PBF_DIM][LOAD_POINTS];
-  pbf_real at[PBF_DIM][LOAD_POINTS]; /* out of the nearest */
-  int wall[PBF_DIM][LOAD_POINTS];
-  double part[PBF_DIM][LOAD_POINTS];
-  double rise[PBF_DIM][LOAD_POINTS], sum[PBF_DIM][LOAD_POINTS];
-  double free[LOAD_POINTS], across[PBF_DIM][LOAD_POINTS];
+  lane_values x, at; /* at: out of the nearest solid */
+  int count;
+  load_solid of[LOAD_SOLIDS];
+  alignas(64) double free[WIDTH], across[PBF_DIM][WIDTH];
+  alignas(64) double weights[PBF_DIM][2][WIDTH];
 };
 
 /* grid_load_pressure in each lane. */
 struct load_pressures {
-  double p[LOAD_POINTS], slope[PBF_DIM][LOAD_POINTS];
-  double one[LOAD_POINTS], open_slope[PBF_DIM][LOAD_POINTS];
+  alignas(64) double p[WIDTH], slope[PBF_DIM][WIDTH];
+  alignas(64) double one[WIDTH], open_slope[PBF_DIM][WIDTH];
 };
 
-struct point_numbers {
-  double of[PBF_LOAD_SUMS][LOAD_POINTS];
+/* By how much psi of a solid rises over cubes along each axis, and twice its mean. */
+struct load_rises {
+  alignas(64) double rise[PBF_DIM][WIDTH], sum[PBF_DIM][WIDTH];
 };
 
 }  // namespace
 
-/* Of the cells that are the i-th along an axis. */
-static __attribute__((noinline)) void find_points_along(const grid_load_pass *p, int axis, int i,
-                                                        load_points_along *along) {
-  const double spacing = p->scales->spacing, width = p->cubes.width;
-  const pbf_real reach = (pbf_real)pbf_grid_load_reach(spacing);
-  along->any = along->outside = false;
-  for (int n = 0; n < p->cubes.points; ++n) {
-    pbf_vec x = {{0}};
-    x.c[axis] = along->place[n] = grid_load_place(&p->storage->grid, p->cubes.points, axis, i, n);
-    along->wall[n] = NO_WALL;
-    along->part[n] = 1;
-    along->rise[n] = along->sum[n] = 0;
-    for (int wall = 2 * axis; wall <= 2 * axis + 1; ++wall) {
-      const pbf_real distance = pbf_wall_distance(p->domain, wall, x);
-      if (!(distance < reach)) continue;
-      const pbf_load_plane plane = {wall, distance, 0, 1, normal_of_wall(wall)};
-      double before[PBF_LOAD_PLANES], after[PBF_LOAD_PLANES];
-      grid_load_psi_at(&plane, 1, spacing, width, axis, -0.5 * width, before);
-      grid_load_psi_at(&plane, 1, spacing, width, axis, 0.5 * width, after);
-      along->wall[n] = wall;
-      along->distance[n] = distance;
-      along->part[n] = grid_load_part((double)distance, width);
-      along->rise[n] = after[0] - before[0];
-      along->sum[n] = after[0] + before[0];
-      along->any = true;
-      along->outside = along->outside || grid_load_hides((double)distance, spacing);
-    }
+/* ---- Which solids are near ------------------------------------------------------------------ */
+
+/* Of the lanes that are wanted. */
+static __attribute__((noinline)) void find_field(const pbf_surface *s, const lane_values *x,
+                                                 const pbf_real wanted[WIDTH], pbf_real reach,
+                                                 lane_planes *planes) {
+  memset(planes, 0, sizeof *planes);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_vec place = lane_value(x, l);
+    pbf_vec normal;
+    if (!(wanted[l] > 0) || pbf_surface_is_beyond(s, place, reach)) continue;
+    planes->distance[l] = pbf_nearest_distance(s, place, reach, &normal);
+    planes->near[l] = planes->distance[l] < reach ? 1 : 0;
+    set_lane(&planes->normal, l, normal);
   }
 }
 
-/* Whether one wall alone may be near a place along each axis, and none hides another. */
-static bool are_walls_apart(const grid_load_pass *p, const load_points_along along[PBF_DIM]) {
-  int near = 0, outside = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    const double across = (double)p->domain->upper.c[k] - (double)p->domain->lower.c[k];
-    if (!(across > 2.01 * pbf_grid_load_reach(p->scales->spacing))) return false;
-    near += along[k].any;
-    outside += along[k].outside;
+/* How far a solid is from places, and the lanes that are within reach of it. */
+static void find_solid(const grid_load_pass *p, int solid, const lane_values *x,
+                       const pbf_real wanted[WIDTH], lane_planes *planes) {
+  const pbf_real reach = (pbf_real)pbf_grid_load_reach(p->scales->spacing);
+  if (solid < PBF_WALLS) {
+    find_wall(&p->obstacles->domain, solid, x, reach, planes);
+    return;
   }
-  return near < 2 || outside == 0;
+  const pbf_surface *s = &p->obstacles->surfaces[solid - PBF_WALLS];
+  if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, planes); }))
+    find_field(s, x, wanted, reach, planes);
 }
 
-/* What of the cubes around points is free of walls, and where these move them. */
-static __attribute__((noinline)) void find_free_parts(const grid_load_pass *p,
-                                                      load_points *restrict points) {
-  const double width = p->cubes.width;
-  for (uint32_t l = 0; l < points->count; ++l) {
-    grid_load_free free = grid_load_all_free();
-    double nearest = 0.25 * width;
-    pbf_vec out = {{0}}, x;
-    for (int k = 0; k < PBF_DIM; ++k) {
-      const int wall = points->wall[k][l];
-      const double distance = (double)points->distance[k][l];
-      const bool nearer = wall != NO_WALL && distance < nearest;
-      pbf_vec normal = {{0}};
-      normal.c[k] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
-      free.cut(points->part[k][l], normal);
-      nearest = nearer ? distance : nearest;
-      for (int j = 0; j < PBF_DIM; ++j) out.c[j] = nearer ? normal.c[j] : out.c[j];
-      x.c[k] = points->x[k][l];
-    }
-    x = pbf_add_scaled(x, (pbf_real)(0.25 * width - nearest), out);
+/* Keeps a solid that is near some of the lanes. */
+PBF_FN void meet_solid(const grid_load_pass *p, int solid, const pbf_real are_points[WIDTH],
+                       load_points *points) {
+  load_solid *to = &points->of[points->count];
+  find_solid(p, solid, &points->x, are_points, &to->planes);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    to->planes.near[l] = are_points[l] > 0 ? to->planes.near[l] : 0;
+  to->planes.solid = solid;
+  points->count += any_lane(to->planes.near);
+}
+
+/* Walls, and some colliders; false: there is no room for all of them. */
+static bool meet_solids(const grid_load_pass *p, const uint16_t *near, int count, uint32_t lanes,
+                        load_points *points) {
+  alignas(64) pbf_real are_points[WIDTH];
+  for (uint32_t l = 0; l < WIDTH; ++l) are_points[l] = l < lanes ? 1 : 0;
+  points->count = 0;
+  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) meet_solid(p, wall, are_points, points);
+  for (int k = 0; k < count; ++k) {
+    if (points->count == LOAD_SOLIDS) return false;
+    meet_solid(p, PBF_WALLS + near[k], are_points, points);
+  }
+  return true;
+}
+
+/* ---- What they leave of cubes, and which of them fluid is at --------------------------------- */
+
+/* Takes what one is in out of cubes; `nearest`, and `out` of it, are so far those of others. */
+static __attribute__((noinline)) void cut_cubes(double cube, const lane_planes *planes,
+                                                load_points *restrict points,
+                                                double *restrict nearest,
+                                                lane_values *restrict out) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const double distance = (double)planes->distance[l];
+    const pbf_vec normal = lane_value(&planes->normal, l);
+    grid_load_free free;
+    free.all = points->free[l];
+    for (int k = 0; k < PBF_DIM; ++k) free.across[k] = points->across[k][l];
+    free.cut(planes->near[l] > 0 ? grid_load_part(distance, cube) : 1, normal);
     points->free[l] = free.all;
     for (int k = 0; k < PBF_DIM; ++k) points->across[k][l] = free.across[k];
-    for (int k = 0; k < PBF_DIM; ++k) points->at[k][l] = x.c[k];
+    const double before = nearest[l], here = planes->near[l] > 0 ? distance : before;
+    nearest[l] = here < before ? here : before;
+    for (int k = 0; k < PBF_DIM; ++k) out->c[k][l] = here < before ? normal.c[k] : out->c[k][l];
   }
+}
+
+/* What of the cubes around points is free of solids, and where these move them; points of which
+ * nothing is are near none. */
+static __attribute__((noinline)) void find_free_parts(double width, load_points *points) {
+  alignas(64) double nearest[WIDTH];
+  lane_values out;
+  memset(&out, 0, sizeof out);
+  for (uint32_t l = 0; l < WIDTH; ++l) nearest[l] = 0.25 * width;
+  for (uint32_t l = 0; l < WIDTH; ++l) points->free[l] = 1;
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) points->across[k][l] = 1;
+  for (int i = 0; i < points->count; ++i)
+    cut_cubes(width, &points->of[i].planes, points, nearest, &out);
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l)
+      points->at.c[k][l] = points->x.c[k][l] + (pbf_real)(0.25 * width - nearest[l]) * out.c[k][l];
+  for (int i = 0; i < points->count; ++i)
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      pbf_real *near = points->of[i].planes.near;
+      near[l] = points->free[l] > 0 ? near[l] : 0;
+    }
+}
+
+/* Those of which another one of them hides what is just before them: is_hidden. */
+static __attribute__((noinline)) void hide_solids(const grid_load_pass *p, load_points *points) {
+  const double spacing = p->scales->spacing;
+  for (int i = 0; i < points->count; ++i) {
+    const lane_planes *planes = &points->of[i].planes;
+    pbf_real *bears = points->of[i].bears;
+    lane_values before;
+    memcpy(bears, planes->near, sizeof planes->near);
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (uint32_t l = 0; l < WIDTH; ++l)
+        before.c[k][l] = points->x.c[k][l] +
+                         ((pbf_real)(spacing / 4) - planes->distance[l]) * planes->normal.c[k][l];
+    for (int other = 0; other < points->count; ++other) {
+      alignas(64) pbf_real both[WIDTH];
+      lane_planes there;
+      if (other == i) continue;
+      for (uint32_t l = 0; l < WIDTH; ++l)
+        both[l] = planes->near[l] * points->of[other].planes.near[l];
+      if (!any_lane(both)) continue;
+      find_solid(p, points->of[other].planes.solid, &before, both, &there);
+      for (uint32_t l = 0; l < WIDTH; ++l) {
+        const pbf_real hidden = grid_load_hides((double)there.distance[l], spacing) ? both[l] : 0;
+        bears[l] = hidden > 0 ? 0 : bears[l];
+      }
+    }
+  }
+}
+
+/* ---- What each bears ------------------------------------------------------------------------ */
+
+/* Along an axis, at one end of the cubes, which is so far from their middles. */
+static __attribute__((noinline)) void weigh_solid(double spacing, double cube, int axis,
+                                                  double along, const load_solid *of,
+                                                  double *restrict psi, double *restrict weights) {
+  const pbf_real *normal = of->planes.normal.c[axis];
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const double distance = (double)of->planes.distance[l] + along * (double)normal[l];
+    const double fall = of->bears[l] > 0 ? grid_load_fall(spacing, cube, distance) : 0;
+    const double weight = grid_load_weight(spacing, fall, distance);
+    psi[l] = fall * weight;
+    weights[l] += weight;
+  }
+}
+
+static void weigh_solids(const grid_load_pass *p, load_points *points) {
+  const double cube = p->cubes.width;
+  memset(points->weights, 0, sizeof points->weights);
+  for (int i = 0; i < points->count; ++i)
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (int end = 0; end < 2 && is_across(points->of[i].planes.solid, k); ++end)
+        weigh_solid(p->scales->spacing, cube, k, (end ? 0.5 : -0.5) * cube, &points->of[i],
+                    points->of[i].psi[k][end], points->weights[k][end]);
+}
+
+static __attribute__((noinline)) void find_rises(const load_points *points, int i, int axis,
+                                                 double *restrict rise, double *restrict sum) {
+  const double *before = points->of[i].psi[axis][0], *after = points->of[i].psi[axis][1];
+  const double *all_before = points->weights[axis][0], *all_after = points->weights[axis][1];
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const double a = all_before[l] > 0 ? before[l] / all_before[l] : 0;
+    const double b = all_after[l] > 0 ? after[l] / all_after[l] : 0;
+    rise[l] = b - a;
+    sum[l] = b + a;
+  }
+}
+
+/* Lambda at the corners of the cells that points with a solid are in; 0: of others. */
+static __attribute__((noinline)) void fetch_corners_at(const pbf_pressure_grid_storage *storage,
+                                                       load_points *points,
+                                                       pressure_grid_places *places,
+                                                       pressure_grid_corners *corners) {
+  alignas(64) pbf_real bear[WIDTH] = {0};
+  field at;
+  for (int k = 0; k < PBF_DIM; ++k) at.c[k] = points->at.c[k];
+  find_places(&storage->grid, &at, 0, WIDTH, places);
+  for (int i = 0; i < points->count; ++i)
+    for (uint32_t l = 0; l < WIDTH; ++l) bear[l] += points->of[i].bears[l];
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    if (!(bear[l] > 0))
+      places->cells[l] = PBF_NO_INDEX;
+    else if (storage->topology.surface_count)
+      find_compartment(storage, &at, 0, l, places);
+  }
+  fetch_corners(storage, places->cells, WIDTH, corners);
 }
 
 /* The grid's pressure around points. */
 static __attribute__((noinline)) void find_pressures(const grid_load_pass *p,
                                                      const pressure_grid_corners *corners,
                                                      const pressure_grid_places *places,
-                                                     uint32_t count,
                                                      load_pressures *restrict pressures) {
   const pbf_pressure_grid c = p->storage->grid;
   const pbf_load_scales s = *p->scales;
   const pbf_grid_load_cubes cubes = p->cubes;
   const double scale = -p->storage->carried / (s.time_step * s.time_step);
-  for (uint32_t l = 0; l < count; ++l) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
     double values[PBF_CORNERS], place[PBF_DIM];
     grid_load_pressure here;
     for (int a = 0; a < PBF_CORNERS; ++a) values[a] = corners->lambda[a][l];
@@ -138,23 +252,20 @@ static __attribute__((noinline)) void find_pressures(const grid_load_pass *p,
   }
 }
 
-/* What one wall gets. */
-static __attribute__((noinline)) void press_on_wall(const grid_load_pass *p,
-                                                    const load_points *points,
-                                                    const load_pressures *pressures, int wall,
-                                                    point_numbers *restrict numbers) {
+/* What one solid gets, to the sums that it can have. */
+static __attribute__((noinline)) void press_on_solid(const grid_load_pass *p,
+                                                     const load_points *points,
+                                                     const load_pressures *pressures,
+                                                     const load_solid *of, const load_rises *rises,
+                                                     const load_slot *slot) {
   const pbf_load_scales s = *p->scales;
-  const pbf_load_measure m = *p->walls;
+  const pbf_load_measure m = *slot->measure;
   const pbf_grid_load_cubes cubes = p->cubes;
-  const int axis = wall / 2;
-  const pbf_vec normal = normal_of_wall(wall);
-  for (uint32_t l = 0; l < points->count; ++l) {
+  alignas(64) double numbers[PBF_LOAD_SUMS][WIDTH]; /* its own: no other can be behind a pointer */
+  for (uint32_t l = 0; l < WIDTH; ++l) {
     grid_load_pressure here;
     grid_load_free free;
     load_share share = {{0}, {0}, {0}};
-    pbf_vec at;
-    const bool is = points->wall[axis][l] == wall;
-    const double rise = points->rise[axis][l], sum = points->sum[axis][l];
     here.p = pressures->p[l];
     here.one = pressures->one[l];
     free.all = points->free[l];
@@ -162,85 +273,51 @@ static __attribute__((noinline)) void press_on_wall(const grid_load_pass *p,
       here.slope[k] = pressures->slope[k][l];
       here.open_slope[k] = pressures->open_slope[k][l];
       free.across[k] = points->across[k][l];
-      at.c[k] = points->at[k][l];
-    }
-    for (int k = 0; k < PBF_DIM; ++k)
-      share_along(&s, here, free, k, k == axis ? rise : 0, k == axis ? sum : 0, cubes.width,
+      share_along(&s, here, free, k, rises->rise[k][l], rises->sum[k][l], cubes.width,
                   cubes.particles, &share);
-    const load_numbers one =
-        load_numbers_of(&s, m, at, {wall, points->distance[axis][l], 0, 1, normal}, share);
+    }
+    const load_numbers one = load_numbers_of(
+        &s, m, lane_value(&points->at, l),
+        {0, of->planes.distance[l], 0, 1, lane_value(&of->planes.normal, l)}, share);
     for (int k = 0; k < 3; ++k) {
-      numbers->of[PBF_LOAD_CHANGE + k][l] = is ? one.of[PBF_LOAD_CHANGE + k] : 0;
-      numbers->of[PBF_LOAD_TURN + k][l] = is ? one.of[PBF_LOAD_TURN + k] : 0;
-      numbers->of[PBF_LOAD_OPEN + k][l] = is ? one.of[PBF_LOAD_OPEN + k] : 0;
+      numbers[PBF_LOAD_CHANGE + k][l] = of->bears[l] > 0 ? one.of[PBF_LOAD_CHANGE + k] : 0;
+      numbers[PBF_LOAD_TURN + k][l] = of->bears[l] > 0 ? one.of[PBF_LOAD_TURN + k] : 0;
+      numbers[PBF_LOAD_OPEN + k][l] = of->bears[l] > 0 ? one.of[PBF_LOAD_OPEN + k] : 0;
     }
   }
+  for (int k = 0; k < PBF_LOAD_SUMS; ++k)
+    if ((k < PBF_LOAD_WET || k >= PBF_LOAD_OPEN) && has_sum(of->planes.solid, k))
+      pbf_wide_add(&slot->sums->of[k], sum_of_numbers(numbers[k], m.units[k]));
 }
 
-static void add_points(const grid_load_pass *p, load_points *points,
-                       const load_points_along along[PBF_DIM], pbf_load_sums walls[2 * PBF_DIM]) {
+static void press_on_solids(const grid_load_pass *p, load_points *points) {
   pressure_grid_places places;
   pressure_grid_corners corners;
-  alignas(64) load_pressures pressures;
-  alignas(64) point_numbers numbers;
-  field at;
-  if (!points->count) return;
-  find_free_parts(p, points);
-  for (int k = 0; k < PBF_DIM; ++k) at.c[k] = points->at[k];
-  find_places(&p->storage->grid, &at, 0, points->count, &places);
-  if (p->storage->topology.surface_count)
-    find_compartments(p->storage, &at, 0, points->count, &places);
-  fetch_corners(p->storage, places.cells, points->count, &corners);
-  find_pressures(p, &corners, &places, points->count, &pressures);
-  for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
-    bool any = false;
-    for (int n = 0; n < p->cubes.points; ++n) any = any || along[wall / 2].wall[n] == wall;
-    if (!any) continue;
-    press_on_wall(p, points, &pressures, wall, &numbers);
-    for (int k = 0; k < PBF_LOAD_SUMS; ++k)
-      if ((k < PBF_LOAD_WET || k >= PBF_LOAD_OPEN) && wall_has_sum(wall / 2, k))
-        pbf_wide_add(&walls[wall].of[k],
-                     sum_of_numbers(numbers.of[k], points->count, p->walls->units[k]));
+  load_pressures pressures;
+  fetch_corners_at(p->storage, points, &places, &corners);
+  find_pressures(p, &corners, &places, &pressures);
+  for (int i = 0; i < points->count; ++i) {
+    const load_solid *of = &points->of[i];
+    load_rises rises;
+    if (!any_lane(of->bears)) continue;
+    memset(&rises, 0, sizeof rises);
+    for (int k = 0; k < PBF_DIM; ++k)
+      if (is_across(of->planes.solid, k)) find_rises(points, i, k, rises.rise[k], rises.sum[k]);
+    const load_slot slot = p->slot_of(p->recent, of->planes.solid);
+    press_on_solid(p, points, &pressures, of, &rises, &slot);
   }
-  points->count = 0;
 }
 
-/* Those at the n-th place along each axis, unless it is far from walls or all of it is in them. */
-static void put_point(const load_points_along along[PBF_DIM], const int n[PBF_DIM],
-                      load_points *points) {
-  double free = 1;
-  bool any = false;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    free *= along[k].part[n[k]];
-    any = any || along[k].wall[n[k]] != NO_WALL;
-  }
-  if (!any || !(free > 0)) return;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    points->x[k][points->count] = along[k].place[n[k]];
-    points->distance[k][points->count] = along[k].distance[n[k]];
-    points->wall[k][points->count] = along[k].wall[n[k]];
-    points->part[k][points->count] = along[k].part[n[k]];
-    points->rise[k][points->count] = along[k].rise[n[k]];
-    points->sum[k][points->count] = along[k].sum[n[k]];
-  }
-  points->count += 1;
-}
-
-static int wall_grid_loads(const grid_load_pass *p, const int i[PBF_DIM], uint64_t others,
-                           pbf_load_sums walls[2 * PBF_DIM]) {
-  load_points_along along[PBF_DIM];
-  alignas(64) load_points points;
-  int n[PBF_DIM] = {0}, k = 0;
-  for (int axis = 0; axis < PBF_DIM; ++axis) find_points_along(p, axis, i[axis], &along[axis]);
-  if (!are_walls_apart(p, along)) return 0;
-  points.count = 0;
-  while (k < PBF_DIM) {
-    if (!(others & 1)) put_point(along, n, &points);
-    others >>= 1;
-    if (points.count == LOAD_POINTS) add_points(p, &points, along, walls);
-    for (k = 0; k < PBF_DIM && ++n[k] == p->cubes.points; ++k) n[k] = 0;
-  }
-  add_points(p, &points, along, walls);
+static int grid_loads(const grid_load_pass *p, const uint16_t *near, int count, field x,
+                      uint32_t lanes) {
+  load_points points;
+  points.x = load_some_lanes(&x, 0, lanes);
+  if (!meet_solids(p, near, count, lanes, &points)) return 0;
+  if (!points.count) return 1;
+  find_free_parts(p->cubes.width, &points);
+  hide_solids(p, &points);
+  weigh_solids(p, &points);
+  press_on_solids(p, &points);
   return 1;
 }
 

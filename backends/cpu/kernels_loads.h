@@ -1,6 +1,6 @@
-/* Part of kernels.cpp: what walls take of particles that are near no other solid, in all lanes
- * (physics/load_shares.h). The loops over lanes ask nothing of one lane alone, and are left to the
- * compiler's vectoriser. */
+/* Part of kernels.cpp: what solids take of particles (physics/load_shares.h), in all lanes, but of
+ * those that are near what has no closed form, or near several of which not all are walls. The
+ * loops over lanes ask nothing of one lane alone, and are left to the compiler's vectoriser. */
 #ifndef PBF_CPU_KERNELS_LOADS_H
 #define PBF_CPU_KERNELS_LOADS_H
 
@@ -10,54 +10,55 @@
 
 namespace {
 
-enum { DOMAIN_WALLS = 2 * PBF_DIM };
-
-/* Numbers of lanes that are to be added to a solid's sums. */
-struct lane_parts {
-  double of[PBF_LOAD_SUMS][WIDTH];
-  uint64_t depth[WIDTH];
-  int touches[WIDTH];
+/* Particles and the planes near them; 1 or 0 in each lane. */
+struct lanes_at_solids {
+  lane_values x, push;
+  alignas(64) pbf_real lambda[WIDTH];
+  met_solids met;
+  alignas(64) pbf_real slope[MET_PLANES][WIDTH];
+  alignas(64) pbf_real alone[WIDTH], among_walls[WIDTH]; /* one is near it; several walls are */
+  alignas(64) pbf_real among_others[WIDTH];              /* what lanes leave */
 };
 
-/* Particles, and how many walls are near each. A wall is near some alone, and near others beside
- * others: 1 in their lanes, and 0 in the rest. */
-struct lanes_at_walls {
-  pbf_real x[PBF_DIM][WIDTH], push[PBF_DIM][WIDTH], lambda[WIDTH];
-  pbf_real distance[DOMAIN_WALLS][WIDTH], slope[DOMAIN_WALLS][WIDTH];
-  int count[WIDTH], alone[DOMAIN_WALLS][WIDTH], beside[DOMAIN_WALLS][WIDTH];
-  int any_alone[DOMAIN_WALLS], any_beside[DOMAIN_WALLS];
-};
-
-/* What planes that share a push take of it: load_system. */
+/* What one plane takes. */
 struct lane_shares {
-  double weight[DOMAIN_WALLS][WIDTH], left[PBF_DIM][WIDTH];
+  alignas(64) double change[PBF_DIM][WIDTH], along[PBF_DIM][WIDTH];
+};
+
+/* load_system in each lane. */
+struct lane_systems {
+  alignas(64) double matrix[PBF_DIM][PBF_DIM][WIDTH], right[PBF_DIM][WIDTH];
 };
 
 }  // namespace
 
-PBF_FN pbf_vec normal_of_wall(int wall) {
-  pbf_vec normal;
-  for (int k = 0; k < PBF_DIM; ++k)
-    normal.c[k] = k != wall / 2 ? (pbf_real)0 : wall % 2 ? (pbf_real)-1 : (pbf_real)1;
-  return normal;
-}
-
-PBF_FN pbf_vec place_of_lane(const lanes_at_walls *of, uint32_t l) {
-  pbf_vec x;
-  for (int k = 0; k < PBF_DIM; ++k) x.c[k] = of->x[k][l];
-  return x;
+PBF_FN bool any_lane(const pbf_real marks[WIDTH]) {
+  return lane_any_below(ops<lane>::set(0), lane_load(marks));
 }
 
 /* What is no number counts as none. */
-PBF_FN pbf_wide_sum sum_of_numbers(const double *numbers, uint32_t count, double units) {
+PBF_FN pbf_wide_sum sum_of_numbers(const double *numbers, double units) {
   int64_t high = 0, low = 0;
-  for (uint32_t l = 0; l < count; ++l) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
     const pbf_wide_sum one = pbf_wide_of((is_none(numbers[l]) ? 0 : numbers[l]) * units);
     high += one.high;
     low += one.low;
   }
   return {high, low};
 }
+
+/* Whether a solid can have this sum: a wall has what it gets along its normal, turns about the
+ * other axes, and so on. */
+PBF_FN bool has_sum(int solid, int which) {
+  const int axis = solid / 2;
+  if (solid >= PBF_WALLS) return which < PBF_LOAD_ALONG || which >= PBF_LOAD_OPEN;
+  if (which < PBF_LOAD_TURN) return which - PBF_LOAD_CHANGE == axis;
+  if (which < PBF_LOAD_WET) return which - PBF_LOAD_TURN != axis;
+  if (which < PBF_LOAD_ALONG) return true;
+  return which < PBF_LOAD_OPEN ? which - PBF_LOAD_ALONG != axis : which - PBF_LOAD_OPEN == axis;
+}
+
+/* ---- All velocities -------------------------------------------------------------------------- */
 
 /* Pushes are what forces alone would have made of velocities, and become what is beside that. */
 static void note_pushes(double units, field v, field push, const pbf_real *mobility, uint32_t first,
@@ -91,198 +92,277 @@ static __attribute__((noinline)) void sum_changes(const load_pass *p, uint32_t f
   }
 }
 
-/* From particle `first` on. */
-static void fetch_lanes(const load_pass *p, uint32_t first, lanes_at_walls *of) {
-  for (int k = 0; k < PBF_DIM; ++k) {
-    for (uint32_t l = 0; l < WIDTH; ++l) of->x[k][l] = p->x.c[k][first + l];
-    for (uint32_t l = 0; l < WIDTH; ++l) of->push[k][l] = p->push.c[k][first + l];
-    for (uint32_t l = 0; l < WIDTH && p->mobility; ++l) of->push[k][l] /= p->mobility[first + l];
+/* ---- Which solids are near ------------------------------------------------------------------- */
+
+static __attribute__((noinline)) void find_wall(const pbf_domain *domain, int wall,
+                                                const lane_values *x, pbf_real reach,
+                                                lane_planes *restrict planes) {
+  const pbf_real *along = x->c[wall / 2], lower = domain->lower.c[wall / 2],
+                 upper = domain->upper.c[wall / 2];
+  planes->is_unbounded = true;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    planes->distance[l] = wall % 2 ? upper - along[l] : along[l] - lower;
+    planes->near[l] = planes->distance[l] < reach ? 1 : 0;
   }
-  for (uint32_t l = 0; l < WIDTH; ++l) of->lambda[l] = p->lambda[first + l];
-  for (uint32_t l = 0; l < WIDTH; ++l) of->count[l] = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const pbf_real side = wall % 2 ? (pbf_real)-1 : (pbf_real)1, normal = k == wall / 2 ? side : 0;
+    for (uint32_t l = 0; l < WIDTH; ++l) planes->normal.c[k][l] = normal;
+  }
 }
 
-/* Lanes behind the last are near nothing, and others, a bit each, count as if they were. Most walls
- * near one of them. */
-static __attribute__((noinline)) int find_walls(const load_pass *p, uint32_t lanes, uint32_t others,
-                                                lanes_at_walls *of) {
-  const pbf_domain domain = *p->domain;
+/* Marks particles that may be near what has no closed form. */
+static __attribute__((noinline)) void mark_near(const pbf_surface *s, const lane_values *x,
+                                                pbf_real reach, pbf_real marks[WIDTH]) {
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    marks[l] = pbf_surface_is_beyond(s, lane_value(x, l), reach) ? marks[l] : 1;
+}
+
+/* The planes of a collider; false: there is no room for them. */
+static bool meet_collider(const load_pass *p, int collider, lanes_at_solids *of) {
+  const pbf_surface *s = &p->obstacles->surfaces[collider];
   const pbf_real reach = (pbf_real)p->scales->reach;
-  int most = 0;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    for (uint32_t l = 0; l < WIDTH; ++l) of->distance[2 * k][l] = of->x[k][l] - domain.lower.c[k];
-    for (uint32_t l = 0; l < WIDTH; ++l)
-      of->distance[2 * k + 1][l] = domain.upper.c[k] - of->x[k][l];
+  const int planes = pbf_surface_planes(s);
+  if (pbf_surface_is_field(s)) {
+    mark_near(s, &of->x, reach, of->among_others);
+    return true;
   }
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    of->count[l] = 0;
-    for (int wall = 0; wall < DOMAIN_WALLS; ++wall)
-      of->count[l] += of->distance[wall][l] < reach ? 1 : 0;
+  for (int plane = 0; plane < planes; ++plane) {
+    if (of->met.count < MET_PLANES) of->met.of[of->met.count].solid = PBF_WALLS + collider;
+    if (!meet_plane(s, plane, planes, &of->x, reach, &of->met)) return false;
   }
-  for (uint32_t l = lanes; l < WIDTH; ++l) of->count[l] = 0;
-  for (uint32_t l = 0; l < lanes && others; ++l, others >>= 1)
-    if (others & 1) of->count[l] = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) most = most > of->count[l] ? most : of->count[l];
-  for (int wall = 0; wall < DOMAIN_WALLS && most > 0; ++wall) {
-    int alone = 0, beside = 0;
+  return true;
+}
+
+/* Walls, and some colliders; false: there is no room for all their planes. */
+static bool meet_all(const load_pass *p, const uint16_t *near, int count, lanes_at_solids *of) {
+  memset(of->among_others, 0, sizeof of->among_others);
+  of->met.count = 0;
+  for (int wall = 0; wall < 2 * PBF_DIM && near; ++wall) {
+    lane_planes *to = &of->met.of[of->met.count];
+    to->solid = wall;
+    find_wall(&p->obstacles->domain, wall, &of->x, (pbf_real)p->scales->reach, to);
+    of->met.count += any_lane(to->near);
+  }
+  for (int k = 0; k < count; ++k)
+    if (!meet_collider(p, near[k], of)) return false;
+  return true;
+}
+
+/* As pbf_face_density has them. */
+static __attribute__((noinline)) void find_slopes(const pbf_constants *c, const lane_planes *planes,
+                                                  pbf_real *restrict slope) {
+  const pbf_real deepest = planes->is_unbounded ? -(pbf_real)INFINITY : -c->wall_offset;
+  lane_walls contributed = {{0}, {0}};
+  add_wall_lanes(c, planes->distance, 1, &contributed);
+  for (uint32_t l = 0; l < WIDTH; ++l)
+    slope[l] = planes->distance[l] < deepest ? 0 : contributed.slope[l];
+}
+
+/* Sorts lanes by how many planes are near; those behind the last particle are near none. */
+static __attribute__((noinline)) void sort_lanes(uint32_t lanes, lanes_at_solids *of) {
+  alignas(64) pbf_real all[WIDTH] = {0}, walls[WIDTH] = {0};
+  for (uint32_t i = 0; i < of->met.count; ++i) {
+    pbf_real *near = of->met.of[i].near;
+    const pbf_real is_wall = of->met.of[i].solid < PBF_WALLS ? 1 : 0;
     for (uint32_t l = 0; l < WIDTH; ++l) {
-      const int is = of->distance[wall][l] < reach ? 1 : 0;
-      of->alone[wall][l] = is & (of->count[l] == 1 ? 1 : 0);
-      of->beside[wall][l] = is & (of->count[l] > 1 ? 1 : 0);
-      alone |= of->alone[wall][l];
-      beside |= of->beside[wall][l];
+      near[l] = l < lanes ? near[l] : 0;
+      all[l] += near[l];
+      walls[l] += is_wall * near[l];
     }
-    of->any_alone[wall] = alone;
-    of->any_beside[wall] = beside;
-    lane_walls contributed = {{0}, {0}};
-    if (alone | beside) add_wall_lanes(p->constants, of->distance[wall], 1, &contributed);
-    memcpy(of->slope[wall], contributed.slope, sizeof contributed.slope);
   }
-  return most;
-}
-
-PBF_FN pbf_load_plane plane_of_lane(const lanes_at_walls *of, int wall, pbf_vec normal,
-                                    uint32_t l) {
-  return {wall, of->distance[wall][l], of->slope[wall][l], 1, normal};
-}
-
-/* 0 where it is not wanted. */
-PBF_FN void put_numbers(const load_numbers &one, bool is, uint32_t l, lane_parts *numbers) {
-  for (int k = 0; k < 3; ++k) {
-    numbers->of[PBF_LOAD_CHANGE + k][l] = is ? one.of[PBF_LOAD_CHANGE + k] : 0;
-    numbers->of[PBF_LOAD_TURN + k][l] = is ? one.of[PBF_LOAD_TURN + k] : 0;
-    numbers->of[PBF_LOAD_PLACE + k][l] = is ? one.of[PBF_LOAD_PLACE + k] : 0;
-    numbers->of[PBF_LOAD_ALONG + k][l] = is ? one.of[PBF_LOAD_ALONG + k] : 0;
-  }
-  numbers->of[PBF_LOAD_WET][l] = is ? one.of[PBF_LOAD_WET] : 0;
-  numbers->depth[l] = is ? pbf_depth_bits(one.depth) : 0;
-  numbers->touches[l] = is && one.touches ? 1 : 0;
-}
-
-/* Of lanes that this wall alone is near. */
-static __attribute__((noinline)) void share_with_one(const load_pass *p, const lanes_at_walls *of,
-                                                     int wall, lane_parts *restrict numbers) {
-  const pbf_load_scales s = *p->scales;
-  const pbf_load_measure m = *p->walls;
-  const pbf_vec normal = normal_of_wall(wall);
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    const pbf_load_plane plane = plane_of_lane(of, wall, normal, l);
-    const double by_lambda = s.by_lambda * (double)of->lambda[l] * (double)plane.slope;
+    const pbf_real others = l < lanes ? of->among_others[l] : 0;
+    const pbf_real single = all[l] == 1 ? 1 : 0, several = all[l] > 1 ? 1 : 0;
+    const pbf_real of_walls = all[l] == walls[l] ? several : 0;
+    of->alone[l] = others > 0 ? 0 : single;
+    of->among_walls[l] = others > 0 ? 0 : of_walls;
+    of->among_others[l] = others > 0 ? 1 : several - of_walls;
+  }
+}
+
+/* ---- What they take -------------------------------------------------------------------------- */
+
+PBF_FN pbf_load_plane plane_of_lane(const lane_planes *planes, const pbf_real *slope, uint32_t l) {
+  return {planes->solid, planes->distance[l], slope[l], 1, lane_value(&planes->normal, l)};
+}
+
+/* Of particles that it is near alone. */
+static __attribute__((noinline)) void share_with_one(const load_pass *p, const lanes_at_solids *of,
+                                                     uint32_t i, lane_shares *restrict shares) {
+  const pbf_load_scales s = *p->scales;
+  const lane_planes *planes = &of->met.of[i];
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_load_plane plane = plane_of_lane(planes, of->slope[i], l);
+    const double by_lambda = s.by_lambda * (double)of->lambda[l];
     double push[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k)
-      push[k] = (double)of->push[k][l] - by_lambda * (double)plane.normal.c[k];
-    put_numbers(load_numbers_of(&s, m, place_of_lane(of, l), plane,
-                                load_share_of_one(plane, by_lambda, push)),
-                of->alone[wall][l] > 0, l, numbers);
+      push[k] =
+          (double)of->push.c[k][l] - by_lambda * (double)plane.slope * (double)plane.normal.c[k];
+    const load_share one = load_share_of_one(plane, by_lambda * (double)plane.slope, push);
+    for (int k = 0; k < PBF_DIM; ++k) shares->change[k][l] = one.change[k];
+    for (int k = 0; k < PBF_DIM; ++k) shares->along[k][l] = one.along[k];
   }
 }
 
-/* What is to be shared out by more than one. */
-static __attribute__((noinline)) void solve_lanes(const load_pass *p, const lanes_at_walls *of,
-                                                  lane_shares *restrict shares) {
+static __attribute__((noinline)) void add_to_systems(const load_pass *p, const lanes_at_solids *of,
+                                                     uint32_t i, lane_systems *restrict systems) {
   const pbf_load_scales s = *p->scales;
+  const lane_planes *planes = &of->met.of[i];
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    load_system system = {{{0}}, {0}};
-    for (int k = 0; k < PBF_DIM; ++k) system.right[k] = (double)of->push[k][l];
-    pbf_unrolled<DOMAIN_WALLS>([&](int wall) {
-      const pbf_load_plane plane = plane_of_lane(of, wall, normal_of_wall(wall), l);
-      const double own = of->beside[wall][l] > 0 ? s.by_lambda * (double)of->lambda[l] : 0;
-      const double weight = of->beside[wall][l] > 0 ? load_weight(&s, plane) : 0;
-      for (int k = 0; k < PBF_DIM; ++k)
-        system.right[k] -= own * (double)plane.slope * (double)plane.normal.c[k];
-      add_to_system(&system, weight, plane.normal);
-      shares->weight[wall][l] = weight;
-    });
+    const pbf_load_plane plane = plane_of_lane(planes, of->slope[i], l);
+    const double own = planes->near[l] > 0 ? s.by_lambda * (double)of->lambda[l] : 0;
+    const double weight = planes->near[l] > 0 ? load_weight(&s, plane) : 0;
+    load_system system;
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (int j = 0; j < PBF_DIM; ++j) system.matrix[k][j] = systems->matrix[k][j][l];
+    for (int k = 0; k < PBF_DIM; ++k)
+      systems->right[k][l] -= own * (double)plane.slope * (double)plane.normal.c[k];
+    add_to_system(&system, weight, plane.normal);
+    for (int k = 0; k < PBF_DIM; ++k)
+      for (int j = 0; j < PBF_DIM; ++j) systems->matrix[k][j][l] = system.matrix[k][j];
+  }
+}
+
+/* What is to be shared out by several walls. */
+static __attribute__((noinline)) void solve_systems(const load_pass *p, const lanes_at_solids *of,
+                                                    lane_systems *restrict systems) {
+  memset(systems->matrix, 0, sizeof systems->matrix);
+  for (int k = 0; k < PBF_DIM; ++k)
+    for (uint32_t l = 0; l < WIDTH; ++l) systems->right[k][l] = (double)of->push.c[k][l];
+  for (uint32_t i = 0; i < of->met.count; ++i)
+    if (of->met.of[i].solid < PBF_WALLS) add_to_systems(p, of, i, systems);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    load_system system;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      system.right[k] = systems->right[k][l];
+      for (int j = 0; j < PBF_DIM; ++j) system.matrix[k][j] = systems->matrix[k][j][l];
+    }
     solve_system(&system);
-    for (int k = 0; k < PBF_DIM; ++k) shares->left[k][l] = system.right[k];
+    for (int k = 0; k < PBF_DIM; ++k) systems->right[k][l] = system.right[k];
   }
 }
 
-/* Of lanes that others are near, too. */
+/* Of particles that other walls are near, too. */
 static __attribute__((noinline)) void share_with_others(const load_pass *p,
-                                                        const lanes_at_walls *of,
-                                                        const lane_shares *shares, int wall,
-                                                        lane_parts *restrict numbers) {
+                                                        const lanes_at_solids *of, uint32_t i,
+                                                        const lane_systems *systems,
+                                                        lane_shares *restrict shares) {
   const pbf_load_scales s = *p->scales;
-  const pbf_load_measure m = *p->walls;
-  const pbf_vec normal = normal_of_wall(wall);
+  const lane_planes *planes = &of->met.of[i];
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    const pbf_load_plane plane = plane_of_lane(of, wall, normal, l);
+    const pbf_load_plane plane = plane_of_lane(planes, of->slope[i], l);
     const double by_lambda = s.by_lambda * (double)of->lambda[l] * (double)plane.slope;
     double left[PBF_DIM];
-    for (int k = 0; k < PBF_DIM; ++k) left[k] = shares->left[k][l];
-    put_numbers(
-        load_numbers_of(&s, m, place_of_lane(of, l), plane,
-                        load_share_of_plane(plane, shares->weight[wall][l], by_lambda, left)),
-        of->beside[wall][l] > 0, l, numbers);
+    for (int k = 0; k < PBF_DIM; ++k) left[k] = systems->right[k][l];
+    const load_share one = load_share_of_plane(plane, load_weight(&s, plane), by_lambda, left);
+    for (int k = 0; k < PBF_DIM; ++k) shares->change[k][l] = one.change[k];
+    for (int k = 0; k < PBF_DIM; ++k) shares->along[k][l] = one.along[k];
   }
 }
 
-/* Whether a wall across an axis can have this sum, of what it gets of the push of particles or of
- * a pressure: what it gets along its normal turns about the other axes, and so on. */
-PBF_FN bool wall_has_sum(int axis, int which) {
-  if (which < PBF_LOAD_TURN) return which - PBF_LOAD_CHANGE == axis;
-  if (which < PBF_LOAD_WET) return which - PBF_LOAD_TURN != axis;
-  if (which < PBF_LOAD_ALONG) return true;
-  return which < PBF_LOAD_OPEN ? which - PBF_LOAD_ALONG != axis : which - PBF_LOAD_OPEN == axis;
-}
-
-/* To the sums of the wall across an axis. */
-static __attribute__((noinline)) void add_numbers_of_lanes(const load_pass *p,
-                                                           const lane_parts *numbers, int axis,
-                                                           pbf_load_sums *to) {
+/* Adds the shares of the particles near a plane that are marked to the sums of its solid. */
+static __attribute__((noinline)) void add_shares(const load_pass *p, const lanes_at_solids *of,
+                                                 uint32_t i, const pbf_real marks[WIDTH],
+                                                 const lane_shares *shares) {
+  const pbf_load_scales s = *p->scales;
+  const lane_planes *planes = &of->met.of[i];
+  const load_slot slot = p->slot_of(p->recent, planes->solid);
+  const pbf_load_measure m = *slot.measure;
+  /* Their own: none of the others can be behind a pointer to them. */
+  alignas(64) double numbers[PBF_LOAD_OPEN][WIDTH];
+  alignas(64) uint64_t depths[WIDTH];
+  alignas(64) int touches[WIDTH];
   uint64_t depth = 0;
-  int touches = 0;
+  int contacts = 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real is = marks[l] * planes->near[l];
+    load_share share = {{0}, {0}, {0}};
+    for (int k = 0; k < PBF_DIM; ++k) share.change[k] = shares->change[k][l];
+    for (int k = 0; k < PBF_DIM; ++k) share.along[k] = shares->along[k][l];
+    const load_numbers one = load_numbers_of(&s, m, lane_value(&of->x, l),
+                                             plane_of_lane(planes, of->slope[i], l), share);
+    for (int k = 0; k < 3; ++k) {
+      numbers[PBF_LOAD_CHANGE + k][l] = is > 0 ? one.of[PBF_LOAD_CHANGE + k] : 0;
+      numbers[PBF_LOAD_TURN + k][l] = is > 0 ? one.of[PBF_LOAD_TURN + k] : 0;
+      numbers[PBF_LOAD_PLACE + k][l] = is > 0 ? one.of[PBF_LOAD_PLACE + k] : 0;
+      numbers[PBF_LOAD_ALONG + k][l] = is > 0 ? one.of[PBF_LOAD_ALONG + k] : 0;
+    }
+    numbers[PBF_LOAD_WET][l] = is > 0 ? one.of[PBF_LOAD_WET] : 0;
+    depths[l] = is > 0 ? pbf_depth_bits(one.depth) : 0;
+    touches[l] = (double)planes->distance[l] < s.spacing ? (int)is : 0;
+  }
   for (int k = 0; k < PBF_LOAD_OPEN; ++k)
-    if (wall_has_sum(axis, k))
-      pbf_wide_add(&to->of[k], sum_of_numbers(numbers->of[k], WIDTH, p->walls->units[k]));
-  for (uint32_t l = 0; l < WIDTH; ++l) touches += numbers->touches[l];
-  for (uint32_t l = 0; l < WIDTH; ++l)
-    depth = depth > numbers->depth[l] ? depth : numbers->depth[l];
-  to->contacts += (uint64_t)touches;
-  pbf_deepen(to, depth);
+    if (has_sum(planes->solid, k))
+      pbf_wide_add(&slot.sums->of[k], sum_of_numbers(numbers[k], m.units[k]));
+  for (uint32_t l = 0; l < WIDTH; ++l) depth = depth > depths[l] ? depth : depths[l];
+  for (uint32_t l = 0; l < WIDTH; ++l) contacts += touches[l];
+  slot.sums->contacts += (uint64_t)contacts;
+  pbf_deepen(slot.sums, depth);
 }
 
-/* Those that something pushes though no wall is near. */
-static uint32_t lanes_left(const lanes_at_walls *of, uint32_t lanes) {
-  int any = 0;
-  for (uint32_t l = 0; l < WIDTH; ++l) {
-    pbf_vec push;
-    for (int k = 0; k < PBF_DIM; ++k) push.c[k] = of->push[k][l];
-    any |= of->count[l] == 0 && pbf_dot(push, push) > 0 ? 1 : 0;
+static void share_lanes(const load_pass *p, const lanes_at_solids *of) {
+  const bool are_walls = any_lane(of->among_walls);
+  lane_systems systems;
+  lane_shares shares;
+  if (are_walls) solve_systems(p, of, &systems);
+  for (uint32_t i = 0; i < of->met.count; ++i) {
+    alignas(64) pbf_real alone[WIDTH];
+    const lane_planes *planes = &of->met.of[i];
+    for (uint32_t l = 0; l < WIDTH; ++l) alone[l] = of->alone[l] * planes->near[l];
+    if (any_lane(alone)) {
+      share_with_one(p, of, i, &shares);
+      add_shares(p, of, i, of->alone, &shares);
+    }
+    if (are_walls && planes->solid < PBF_WALLS) {
+      share_with_others(p, of, i, &systems, &shares);
+      add_shares(p, of, i, of->among_walls, &shares);
+    }
   }
+}
+
+/* ---- A range of particles -------------------------------------------------------------------- */
+
+/* From particle `first` on. */
+static void fetch_lanes(const load_pass *p, uint32_t first, uint32_t lanes, lanes_at_solids *of) {
+  of->x = load_some_lanes(&p->x, first, lanes);
+  of->push = load_lanes(&p->push, first, lanes);
+  memset(of->lambda, 0, sizeof of->lambda);
+  memcpy(of->lambda, p->lambda + first, lanes * sizeof(pbf_real));
+  for (int k = 0; k < PBF_DIM && p->mobility; ++k)
+    for (uint32_t l = 0; l < lanes; ++l) of->push.c[k][l] /= p->mobility[first + l];
+}
+
+/* A bit each: those that are left, and those that something pushes though nothing is near. */
+static uint32_t lanes_left(const lanes_at_solids *of) {
+  alignas(64) pbf_real is[WIDTH];
   uint32_t left = 0;
-  for (uint32_t l = 0; l < lanes && any; ++l) {
-    pbf_vec push;
-    for (int k = 0; k < PBF_DIM; ++k) push.c[k] = of->push[k][l];
-    left |= of->count[l] == 0 && pbf_dot(push, push) > 0 ? (uint32_t)1 << l : 0;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_vec push = lane_value(&of->push, l);
+    const pbf_real pushed = pbf_dot(push, push) > 0 ? 1 : 0;
+    is[l] = of->alone[l] + of->among_walls[l] > 0 ? 0 : pushed;
+    is[l] += of->among_others[l];
   }
+  for (uint32_t l = 0; l < WIDTH && any_lane(is); ++l) left |= is[l] > 0 ? (uint32_t)1 << l : 0;
   return left;
 }
 
-static uint32_t wall_loads(const load_pass *p, uint32_t first, uint32_t last, uint32_t others,
-                           pbf_wide_sum change[PBF_DIM], pbf_load_sums walls[2 * PBF_DIM]) {
-  uint32_t left = others;
+static uint32_t loads(const load_pass *p, const uint16_t *near, int count, uint32_t first,
+                      uint32_t last, pbf_wide_sum change[PBF_DIM]) {
+  uint32_t left = 0;
   sum_changes(p, first, last, change);
   for (uint32_t i = first; i < last; i += WIDTH) {
-    alignas(64) lanes_at_walls of;
-    alignas(64) lane_parts numbers;
-    alignas(64) lane_shares shares;
+    lanes_at_solids of;
     const uint32_t lanes = last - i < WIDTH ? last - i : (uint32_t)WIDTH;
-    fetch_lanes(p, i, &of);
-    const int most = walls ? find_walls(p, lanes, others >> (i - first), &of) : 0;
-    left |= lanes_left(&of, lanes) << (i - first);
-    if (most > 1) solve_lanes(p, &of, &shares);
-    for (int wall = 0; wall < DOMAIN_WALLS && most > 0; ++wall) {
-      if (of.any_alone[wall]) {
-        share_with_one(p, &of, wall, &numbers);
-        add_numbers_of_lanes(p, &numbers, wall / 2, &walls[wall]);
-      }
-      if (of.any_beside[wall]) {
-        share_with_others(p, &of, &shares, wall, &numbers);
-        add_numbers_of_lanes(p, &numbers, wall / 2, &walls[wall]);
-      }
+    fetch_lanes(p, i, lanes, &of);
+    if (!meet_all(p, near, count, &of)) {
+      left |= (((uint32_t)1 << lanes) - 1) << (i - first);
+      continue;
     }
+    for (uint32_t k = 0; k < of.met.count; ++k)
+      find_slopes(p->constants, &of.met.of[k], of.slope[k]);
+    sort_lanes(lanes, &of);
+    if (of.met.count) share_lanes(p, &of);
+    left |= lanes_left(&of) << (i - first);
   }
   return left;
 }

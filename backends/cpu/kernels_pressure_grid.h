@@ -29,21 +29,24 @@ PBF_FN void find_places(const pbf_pressure_grid *c, const field *x, uint32_t fir
   }
 }
 
+/* Of particle first + l. */
+PBF_FN void find_compartment(const pbf_pressure_grid_storage *storage, const field *x,
+                             uint32_t first, uint32_t l, pressure_grid_places *places) {
+  const pbf_pressure_grid_topology *t = &storage->topology;
+  if (!pbf_cell_is_cut(t, places->cells[l])) return;
+  double at[PBF_DIM]; /* stays as it is where there is no compartment */
+  for (int k = 0; k < PBF_DIM; ++k) at[k] = places->at[k][l];
+  places->cells[l] =
+      pbf_compartment_of(&storage->grid, t, places->cells[l], field_at(x, first + l), at);
+  for (int k = 0; k < PBF_DIM; ++k) places->at[k][l] = at[k];
+}
+
 /* What of them are between thin solids is in compartments. */
 static __attribute__((noinline)) void find_compartments(const pbf_pressure_grid_storage *storage,
                                                         const field *x, uint32_t first,
                                                         uint32_t count,
                                                         pressure_grid_places *places) {
-  const pbf_pressure_grid_topology *t = &storage->topology;
-  for (uint32_t l = 0; l < count; ++l) {
-    if (!pbf_cell_is_cut(t, places->cells[l])) continue;
-    double at[PBF_DIM]; /* stays as it is where there is no compartment */
-    pbf_vec own;
-    for (int k = 0; k < PBF_DIM; ++k) at[k] = places->at[k][l];
-    for (int k = 0; k < PBF_DIM; ++k) own.c[k] = x->c[k][first + l];
-    places->cells[l] = pbf_compartment_of(&storage->grid, t, places->cells[l], own, at);
-    for (int k = 0; k < PBF_DIM; ++k) places->at[k][l] = at[k];
-  }
+  for (uint32_t l = 0; l < count; ++l) find_compartment(storage, x, first, l, places);
 }
 
 /* Keeps the cells of particles and compartments, for as long as they stay where they are. */

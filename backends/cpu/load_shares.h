@@ -47,13 +47,6 @@ struct near_surfaces {
     any = count || to_wall < bounds.radius + reach;
   }
 
-  /* Whether one of them may be within a reach of a place. */
-  bool any_near(const pbf_obstacles &o, pbf_vec x, pbf_real reach) const {
-    for (int k = 0; k < count; ++k)
-      if (!pbf_surface_is_beyond(&o.surfaces[of[k]], x, reach)) return true;
-    return false;
-  }
-
   /* Of a field planes may be nearer than the surface is. */
   static bool may_be_near(const group_bounds *bounds, const pbf_surface *s, pbf_real reach) {
     if (pbf_surface_is_field(s))
@@ -74,7 +67,7 @@ static inline void add_sums_to_shared(const worker *w, int solid, const pbf_load
 
 /* The sums of the solids that a task has met last: particles near each other meet the same ones. */
 struct recent_loads {
-  enum { SLOTS = 4 };
+  enum { SLOTS = 16 };
   const worker *w;
   const pbf_load_scales *scales;
   int solid[SLOTS];
@@ -121,6 +114,12 @@ struct recent_loads {
     for (int slot = 0; slot < SLOTS; ++slot) flush(slot);
   }
 };
+
+static load_slot recent_slot(void *recent, int solid) {
+  recent_loads *loads = static_cast<recent_loads *>(recent);
+  const int slot = loads->slot_of(solid);
+  return {&loads->sums[slot], &loads->measures[slot]};
+}
 
 }  // namespace
 
@@ -237,16 +236,16 @@ namespace {
 /* What the grid's pressure does, in the cells of a task. */
 struct grid_loads {
   const worker *w;
-  grid_load_pass pass;
   recent_loads recent;
-  pbf_load_sums walls[2 * PBF_DIM]; /* of cells in lanes */
+  grid_load_pass pass;
 
-  grid_loads(const worker *of, const pbf_load_scales *scales, const pbf_load_measure *measure)
-      : w(of),
-        pass{&of->s->pressure_grid, &of->obstacles.domain, scales, measure,
-             grid_load_cubes_of(scales, &of->s->pressure_grid.grid)},
-        recent(of, scales),
-        walls{} {}
+  grid_loads(const worker *of, const pbf_load_scales *scales)
+      : w(of), recent(of, scales), pass{&of->s->pressure_grid,
+                                        &of->obstacles,
+                                        scales,
+                                        recent_slot,
+                                        &recent,
+                                        grid_load_cubes_of(scales, &of->s->pressure_grid.grid)} {}
 
   /* In the i-th cell along each axis. */
   void add(const int i[PBF_DIM]) {
@@ -254,36 +253,27 @@ struct grid_loads {
     const pbf_vec middle = pbf_cell_middle(c, i);
     pbf_vec half;
     near_surfaces near;
+    pbf_real places[PBF_DIM][near_surfaces::PARTICLES];
+    field some;
+    uint32_t count = 0;
+    for (int k = 0; k < PBF_DIM; ++k) some.c[k] = places[k];
     for (int k = 0; k < PBF_DIM; ++k) half.c[k] = (pbf_real)(0.5 * c->width);
     near.find_between(&w->obstacles, pbf_sub(middle, half), pbf_add_scaled(middle, 1, half),
                       (pbf_real)pbf_grid_load_reach(pass.scales->spacing));
     if (!near.any) return;
-    uint64_t left = points_near(near, i);
-    const bool all = !add_in_lanes(i, left);
-    if (!all && !left) return;
     each_grid_load_point(c, pass.cubes.points, i, [&](pbf_vec x) {
-      if (all || (left & 1)) add_point(near, x);
-      left >>= 1;
+      field_set(&some, count, x);
+      if (++count < w->s->kernels->width) return;
+      add_points(near, some, count);
+      count = 0;
     });
+    if (count) add_points(near, some, count);
   }
 
-  /* The points of a cell that colliders are near, a bit each. */
-  uint64_t points_near(const near_surfaces &near, const int i[PBF_DIM]) const {
-    const pbf_real reach = (pbf_real)pbf_grid_load_reach(pass.scales->spacing);
-    uint64_t points = 0, bit = 1;
-    if (!near.count) return 0;
-    each_grid_load_point(&pass.storage->grid, pass.cubes.points, i, [&](pbf_vec x) {
-      points |= near.any_near(w->obstacles, x, reach) ? bit : 0;
-      bit <<= 1;
-    });
-    return points;
-  }
-
-  /* All but some of its points; false: none, and they are to be added one by one. */
-  bool add_in_lanes(const int i[PBF_DIM], uint64_t others) {
-    const auto add = w->s->kernels->wall_grid_loads;
-    const int most = PBF_DIM == 3 ? 4 : 8; /* points along an axis, of which each has a bit */
-    return add && pass.cubes.points <= most && add(&pass, i, others, walls);
+  void add_points(const near_surfaces &near, field x, uint32_t count) {
+    const auto in_lanes = w->s->kernels->grid_loads;
+    if (in_lanes && in_lanes(&pass, near.of, near.count, x, count)) return;
+    for (uint32_t l = 0; l < count; ++l) add_point(near, field_at(&x, l));
   }
 
   void add_point(const near_surfaces &near, pbf_vec x) {
@@ -296,11 +286,6 @@ struct grid_loads {
         [&](const pbf_load_plane &plane, pbf_vec at, const load_share &share) {
           recent.add_beside(plane, at, share);
         });
-  }
-
-  void end() {
-    recent.end();
-    for (int wall = 0; wall < 2 * PBF_DIM; ++wall) add_sums_to_shared(w, wall, &walls[wall]);
   }
 };
 
@@ -318,21 +303,13 @@ static bool is_load_cell(const worker *w, uint32_t cell, int i[PBF_DIM]) {
 static void grid_loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
-  const pbf_load_measure measure = load_measure_of(&scales, w->obstacles, 0);
   const range cells = part_of(w->s->pressure_grid.grid.nodes, task, pair_task_count(w));
-  grid_loads loads(w, &scales, &measure);
+  grid_loads loads(w, &scales);
   for (uint32_t cell = cells.first; cell < cells.last; ++cell) {
     int i[PBF_DIM];
     if (is_load_cell(w, cell, i)) loads.add(i);
   }
-  loads.end();
-}
-
-static load_pass load_pass_of(const worker *w, const pbf_load_scales *scales,
-                              const pbf_load_measure *walls) {
-  const solver *s = w->s;
-  return {&w->constants, &w->obstacles.domain, scales, walls, w->b.x, w->b.v, s->push,
-          s->lambda,     s->mobility};
+  loads.recent.end();
 }
 
 namespace {
@@ -343,10 +320,19 @@ struct task_loads {
   const pbf_load_scales *scales;
   pbf_wide_sum change[PBF_DIM];
   recent_loads recent;
-  pbf_load_sums walls[2 * PBF_DIM]; /* of particles in lanes */
+  load_pass pass;
 
   task_loads(const worker *of, const pbf_load_scales *by)
-      : w(of), scales(by), change{}, recent(of, by), walls{} {}
+      : w(of), scales(by), change{}, recent(of, by), pass{&of->constants,
+                                                          &of->obstacles,
+                                                          by,
+                                                          recent_slot,
+                                                          &recent,
+                                                          of->b.x,
+                                                          of->b.v,
+                                                          of->s->push,
+                                                          of->s->lambda,
+                                                          of->s->mobility} {}
 
   /* What a particle has got is shared out. */
   void share(const near_surfaces &near, const load_particle &p) {
@@ -366,19 +352,10 @@ struct task_loads {
     if (near.any || is_pushed(w, i)) share(near, p);
   }
 
-  /* The particles that colliders are near, a bit each. */
-  uint32_t particles_near(const near_surfaces &near, range r) const {
-    uint32_t particles = 0;
-    for (uint32_t i = r.first; i < r.last && near.count; ++i)
-      if (near.any_near(w->obstacles, field_at(&w->b.x, i), (pbf_real)scales->reach))
-        particles |= (uint32_t)1 << (i - r.first);
-    return particles;
-  }
-
   /* Particles that are awake. */
-  void add_in_lanes(const load_pass &pass, const near_surfaces &near, range r) {
-    uint32_t left = w->s->kernels->wall_loads(&pass, r.first, r.last, particles_near(near, r),
-                                              change, near.any ? walls : NULL);
+  void add_in_lanes(const near_surfaces &near, range r) {
+    uint32_t left =
+        w->s->kernels->loads(&pass, near.any ? near.of : NULL, near.count, r.first, r.last, change);
     for (uint32_t i = r.first; left; ++i, left >>= 1)
       if (left & 1) {
         load_particle p = load_momentum_at(w, scales, near, i);
@@ -389,7 +366,6 @@ struct task_loads {
 
   void end() {
     recent.end();
-    for (int wall = 0; wall < 2 * PBF_DIM; ++wall) add_sums_to_shared(w, wall, &walls[wall]);
     add_change(w->s, change);
   }
 };
@@ -397,19 +373,17 @@ struct task_loads {
 }  // namespace
 
 static bool is_in_lanes(const worker *w, range r) {
-  return w->s->kernels->wall_loads && sleeping_particles(w, r.first, r.last).first == r.last;
+  return w->s->kernels->loads && sleeping_particles(w, r.first, r.last).first == r.last;
 }
 
 static void loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
-  const pbf_load_measure walls = load_measure_of(&scales, w->obstacles, 0);
-  const load_pass pass = load_pass_of(w, &scales, &walls);
   task_loads loads(w, &scales);
   each_near_surfaces(w, scales.reach, task_sorted(w, task),
                      [&](const near_surfaces &near, range some) {
                        if (is_in_lanes(w, some)) {
-                         loads.add_in_lanes(pass, near, some);
+                         loads.add_in_lanes(near, some);
                          return;
                        }
                        for (uint32_t i = some.first; i < some.last; ++i) loads.add(near, i);

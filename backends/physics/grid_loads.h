@@ -40,6 +40,11 @@ PBF_FN double grid_load_fall(double spacing, double width, double distance) {
   return pbf_max(pbf_min((to - distance) / (to - from), 1), 0);
 }
 
+/* Of such a psi among those of others. */
+PBF_FN double grid_load_weight(double spacing, double fall, double distance) {
+  return fall > 0 ? fall / pbf_max(distance, 0.01 * spacing) : 0;
+}
+
 template <class Obstacles>
 PBF_FN pbf_real solid_distance(const Obstacles &o, int solid, double spacing, pbf_vec x,
                                pbf_vec *normal) {
@@ -133,9 +138,7 @@ PBF_FN_HOST_NOINLINE int find_grid_load_solids(const Obstacles &o, const grid_lo
 
 /* Whether a solid has a face across an axis: walls along it bear nothing that way, and take nothing
  * from those that do where they meet in an edge. */
-PBF_FN bool is_across(const pbf_load_plane &of, int axis) {
-  return of.solid >= PBF_WALLS || of.solid / 2 == axis;
-}
+PBF_FN bool is_across(int solid, int axis) { return solid >= PBF_WALLS || solid / 2 == axis; }
 
 /* psi of each of the solids among those across an axis, so far along it from where they are at
  * their distances. */
@@ -144,8 +147,8 @@ PBF_FN void grid_load_psi_at(const pbf_load_plane *of, int count, double spacing
   double sum = 0;
   for (int k = 0; k < count; ++k) {
     const double distance = (double)of[k].distance + along * (double)of[k].normal.c[axis];
-    const double fall = is_across(of[k], axis) ? grid_load_fall(spacing, width, distance) : 0;
-    const double weight = fall > 0 ? fall / pbf_max(distance, 0.01 * spacing) : 0;
+    const double fall = is_across(of[k].solid, axis) ? grid_load_fall(spacing, width, distance) : 0;
+    const double weight = grid_load_weight(spacing, fall, distance);
     psi[k] = fall * weight;
     sum += weight;
   }

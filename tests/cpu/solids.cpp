@@ -1,84 +1,7 @@
 /* What solids contribute to the particles of a group, and which of them meet none on their ways,
  * found in the lanes of one instruction set, against each particle by itself, to the bit. Compiled
  * once for each set, and skipped where the machine lacks it. */
-#include "physics/support.h"
-
-#include "cpu/boundary.h"
-#include "cpu/isa.h"
-#include "support/random.h"
-
-enum { MOST = 12, SCENES = 3000 };
-
-static const double h = 1, around = 4;
-
-typedef struct scene {
-  pbf_constants constants;
-  pbf_surface surfaces[MOST];
-  pbf_obstacles o;
-  uint16_t room[PBF_OBSTACLE_LISTS * MOST];
-} scene;
-
-static void turn_at_random(uint64_t *random, double orientation[4]) {
-  double norm2 = 0;
-  for (int k = PBF_DIM == 3 ? 0 : 2; k < 4; ++k) {
-    orientation[k] = random_in(random, -1, 1);
-    norm2 += orientation[k] * orientation[k];
-  }
-  for (int k = 0; k < 4; ++k) orientation[k] /= sqrt(norm2);
-}
-
-/* Of all closed forms; some hold all of the fluid, some move, and of some the edges are level with
- * the axes, where planes through them are at right angles to walls. */
-static pbf_surface random_surface(uint64_t *random) {
-  pbf_collider c;
-  memset(&c, 0, sizeof c);
-  c.shape = (uint32_t)random_in(random, 0, 4);
-  c.inverted = random_in(random, 0, 1) < 0.1 && c.shape != PBF_COLLIDER_PLANE;
-  c.radius = c.inverted ? around : random_in(random, 0.2, 1.5);
-  c.half_length = random_in(random, 0.2, 2);
-  c.axis[1] = 1;
-  c.orientation[3] = 1;
-  const bool moves = random_in(random, 0, 1) < 0.1;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    c.half_extents[k] = c.inverted ? around : random_in(random, 0.1, 2);
-    c.position[k] = c.inverted ? 0 : random_in(random, -around, around);
-    c.velocity[k] = moves ? random_in(random, -2, 2) : 0;
-  }
-  if (c.shape == PBF_COLLIDER_PLANE) c.position[1] = -around;
-  if (random_in(random, 0, 1) < 0.5) turn_at_random(random, c.orientation);
-  pbf_surface s = pbf_surface_at(&c, 0, 1);
-  s.skin = pbf_surface_is_unbounded(&s) ? 0 : (pbf_real)0.002;
-  s.rounding = (pbf_real)1e-5;
-  s.prediction_push = (pbf_real)INFINITY;
-  return s;
-}
-
-static void make_scene(uint64_t *random, scene *s) {
-  pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
-  p.smoothing_radius = h;
-  p.spacing = h / 2;
-  p.wall_density = 1;
-  p.solver = PBF_SOLVER_CHEBYSHEV;
-  for (int k = 0; k < 3; ++k) p.domain_min[k] = -around, p.domain_max[k] = around;
-  s->constants = pbf_constants_of(&p);
-  memset(&s->o, 0, sizeof s->o);
-  s->o.domain = pbf_domain_at(&p, 0);
-  s->o.count = 1 + (int)random_in(random, 0, MOST);
-  s->o.surfaces = {s->surfaces, NULL};
-  s->o.room = s->room;
-  for (int k = 0; k < s->o.count; ++k) s->surfaces[k] = random_surface(random);
-}
-
-/* Near each other, inside and at walls. */
-static lane_values random_places(uint64_t *random) {
-  lane_values x;
-  for (int k = 0; k < PBF_DIM; ++k) {
-    const double middle = random_in(random, -around, around);
-    for (uint32_t l = 0; l < WIDTH; ++l)
-      x.c[k][l] = (pbf_real)(middle + random_in(random, -0.7, 0.7));
-  }
-  return x;
-}
+#include "cpu/solid_scenes.h"
 
 static bool are_same(pbf_real a, pbf_real b) { return a == b; }
 
@@ -176,12 +99,5 @@ int main(void) {
       cmocka_unit_test(those_that_stay_clear_need_not_be_asked),
       cmocka_unit_test(what_is_clear_goes_where_the_domain_keeps_it),
   };
-  cpu_isa best;
-  char reason[128];
-  if (!cpu_isa_best(&best, reason, sizeof reason) || best < PBF_TEST_ISA) {
-    print_message("skipped: this processor lacks the instructions under test, %s\n",
-                  cpu_isa_name(PBF_TEST_ISA));
-    return 77;
-  }
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return run_on_this_machine(tests, sizeof tests / sizeof *tests);
 }
