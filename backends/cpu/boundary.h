@@ -191,13 +191,14 @@ static __attribute__((noinline)) pbf_real clear_way_from(const pbf_constants *c,
 
 #include "cpu/boundary_solids.h"
 
-/* clear_way_from in all lanes; false: one of these has no closed form, or too thick a skin. */
+/* clear_way_from in all lanes; false: one of these has too many nodes, or too thick a skin. */
 PBF_FN bool clear_ways_from(const pbf_constants *c, const pbf_obstacles *near, const lane_values *x,
                             pbf_real *ways) {
   for (int k = 0; k < near->count; ++k)
     if (16 * near->surfaces[k].skin > clear_way(c)) return false;
-  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = clear_reach(c);
-  return shorten_ways_by(near, x, ways);
+  alignas(64) pbf_real longest[WIDTH];
+  for (uint32_t l = 0; l < WIDTH; ++l) ways[l] = longest[l] = clear_reach(c);
+  return shorten_ways_by(near, x, longest, ways);
 }
 
 /* Notes how far each may go, from x. */
@@ -225,12 +226,10 @@ static __attribute__((noinline)) lanes_asked lanes_beyond(const pbf_real ways[WI
   return asked;
 }
 
-/* pbf_boundary_at those of a group that are asked, one by one: of what has no closed form, or fluid
- * inside. */
-PBF_FN void boundary_one_by_one(const pbf_constants *c, const pbf_obstacles *o,
-                                const group_bounds *these, const lane_values *x,
-                                const pbf_real to_wall[WIDTH], const lanes_asked *asked,
-                                lane_boundary *boundary) {
+/* pbf_boundary_at those of a group that are asked, one by one: of what lanes leave. */
+static __attribute__((noinline)) void boundary_one_by_one(
+    const pbf_constants *c, const pbf_obstacles *o, const group_bounds *these, const lane_values *x,
+    const pbf_real to_wall[WIDTH], const lanes_asked *asked, lane_boundary *boundary) {
   /* Where few are asked each looks for its own. */
   const bool each_alone = !BUILT_FOR_SIZE && o->grid && asked;
   pbf_obstacles near;
@@ -265,12 +264,19 @@ static __attribute__((noinline)) void boundary_of_group(const pbf_constants *c,
   if (asked && !asked->any) return;
   pbf_obstacles near;
   met_solids solids;
+  alignas(64) pbf_real are_asked[WIDTH];
   const group_bounds these = bounds_of_group(x, x);
   if (!BUILT_FOR_SIZE && !obstacles_around_group(o, &these, contribution_reach(c), &near)) return;
-  if (!BUILT_FOR_SIZE && meet_solids(c, &near, x, &solids))
-    boundary_of_solids(c, &o->domain, x, to_wall, &solids, boundary);
-  else
+  for (uint32_t l = 0; l < WIDTH; ++l) are_asked[l] = asked && !asked->is[l] ? 0 : 1;
+  if (BUILT_FOR_SIZE || !meet_solids(c, &near, x, are_asked, &solids)) {
     boundary_one_by_one(c, o, &these, x, to_wall, asked, boundary);
+    return;
+  }
+  boundary_of_solids(c, &o->domain, x, to_wall, &solids, boundary);
+  if (!lane_any_below(ops<lane>::set(0), lane_load(solids.left))) return;
+  lanes_asked left = {1, {0}};
+  for (uint32_t l = 0; l < WIDTH; ++l) left.is[l] = solids.left[l] > 0;
+  boundary_one_by_one(c, o, &these, x, to_wall, &left, boundary);
 }
 
 #endif

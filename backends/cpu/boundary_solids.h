@@ -1,7 +1,8 @@
-/* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane,
- * where all solids near the group have a closed form: as pbf_boundary_at does to the bit. How far
- * each solid is from all particles of the group is found in lanes. Most particles near solids are
- * near one alone and no wall; what that one contributes is found in lanes, too. */
+/* Part of boundary.h: what solids contribute to the particles of a group, a particle in each lane:
+ * as pbf_boundary_at does to the bit. How far each solid is from all particles of the group is
+ * found in lanes. Most particles near solids are near one alone and no wall; what that one
+ * contributes is found in lanes, too. Of a field that is one plane; particles for which it is more,
+ * or which others are near, too, are left. */
 #ifndef PBF_CPU_BOUNDARY_SOLIDS_H
 #define PBF_CPU_BOUNDARY_SOLIDS_H
 
@@ -10,18 +11,19 @@ namespace {
 /* The nearest plane of a solid to each particle of a group. */
 struct lane_planes {
   int solid; /* of those of loads */
-  bool is_unbounded;
+  bool is_unbounded, is_field;
   alignas(64) pbf_real near[WIDTH];                   /* 1: it is within reach; 0 */
   alignas(64) pbf_real distance[WIDTH], sides[WIDTH]; /* those of pbf_shape_distance, of what is
                                                          curved -1 */
   lane_values normal;
 };
 
-/* Those that are within reach of some. */
+/* Those that are within reach of some, and which lanes are left. */
 enum { MET_PLANES = 6 };
 struct met_solids {
   uint32_t count;
   lane_planes of[MET_PLANES];
+  alignas(64) pbf_real left[WIDTH];
 };
 
 template <class Shape>
@@ -60,13 +62,28 @@ static inline __attribute__((noinline)) void find_face(const pbf_surface *surfac
   }
 }
 
+/* Whether the ball around a surface may be near some: the group's ball is near more of them. */
+static inline __attribute__((noinline)) bool is_near_any(const pbf_surface *s, const lane_values *x,
+                                                         pbf_real reach) {
+  alignas(64) pbf_real in_ball[WIDTH];
+  const pbf_vec center = s->center;
+  const pbf_real far = s->bound + reach;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_vec p = pbf_sub(lane_value(x, l), center);
+    in_ball[l] = pbf_dot(p, p) > far * far ? 0 : 1;
+  }
+  return lane_any_below(ops<lane>::set(0), lane_load(in_ball));
+}
+
 /* Finds a plane of a surface in the next place, and keeps it if some are near it; 0: there is none,
  * or the surface has no closed form. */
 PBF_FN bool meet_plane(const pbf_surface *s, int plane, int planes, const lane_values *x,
                        pbf_real reach, met_solids *met) {
+  if (!is_near_any(s, x, reach)) return true;
   if (met->count == MET_PLANES) return false;
   lane_planes *to = &met->of[met->count];
   to->is_unbounded = pbf_surface_is_unbounded(s);
+  to->is_field = false;
   if (planes > 1)
     find_face(s, plane, x, reach, to);
   else if (!ask_closed(s, [&](auto shape) { find_planes(shape, s, x, reach, to); }))
@@ -75,18 +92,131 @@ PBF_FN bool meet_plane(const pbf_surface *s, int plane, int planes, const lane_v
   return true;
 }
 
-/* 0: there are surfaces without a closed form among these, or more planes than there is room for.
+/* Lanes that are asked, and that a field may be near: pbf_may_be_within. */
+static inline __attribute__((noinline)) void find_lanes_around(const pbf_surface *surface,
+                                                               const lane_values *x, pbf_real reach,
+                                                               const pbf_real asked[WIDTH],
+                                                               pbf_real *restrict wanted) {
+  const pbf_shape f = *surface->field;
+  pbf_surface s = *surface;
+  s.field = &f;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_vec place = lane_value(x, l);
+    const pbf_real in_ball = pbf_surface_is_beyond(&s, place, reach) ? 0 : asked[l];
+    wanted[l] = pbf_field_box_is_beyond(&s, pbf_sub(place, s.center), reach) ? 0 : in_ball;
+  }
+}
+
+/* Of lanes near a plane of a field leaves those that another surface may be beside:
+ * pbf_may_be_beside, by balls alone. */
+static inline __attribute__((noinline)) void leave_beside(const lane_planes *planes,
+                                                          const pbf_surface *surface, pbf_real cell,
+                                                          const lane_values *x,
+                                                          pbf_real *restrict left) {
+  const pbf_surface s = *surface;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real back = pbf_real_min(cell - planes->distance[l], 0);
+    const pbf_real reach = (back < 0 ? (pbf_real)1.25 : (pbf_real)2.25) * cell;
+    const pbf_vec place = pbf_add_scaled(lane_value(x, l), back, lane_value(&planes->normal, l));
+    const pbf_real beside = pbf_surface_is_beyond(&s, place, reach) ? 0 : planes->near[l];
+    left[l] = beside > 0 ? 1 : left[l];
+  }
+}
+
+/* Of those that are within reach of it the planes of a field, and lanes of which more than one
+ * plane may be near: as pbf_find_facets looks. */
+static inline __attribute__((noinline)) void find_field_planes(
+    const pbf_constants *c, const pbf_surface *s, const lane_values *x,
+    const pbf_real wanted[WIDTH], lane_planes *restrict planes, pbf_real *restrict left) {
+  const pbf_real reach = pbf_boundary_reach(c), out = c->h;
+  alignas(64) pbf_real enough[WIDTH], farther[WIDTH];
+  lane_looks here, there;
+  lane_values y;
+  for (uint32_t l = 0; l < WIDTH; ++l) enough[l] = reach;
+  find_looks(s, x, enough, wanted, &here);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real within = here.distance[l] > reach ? 0 : wanted[l];
+    planes->distance[l] = here.distance[l];
+    planes->near[l] = here.distance[l] < reach ? within : 0;
+    planes->sides[l] = -1;
+    farther[l] = here.steepness[l] > (pbf_real)0.95 ? within : 0;
+    left[l] = within > farther[l] ? 1 : left[l];
+    enough[l] = here.distance[l] + (pbf_real)0.9 * out;
+    for (int k = 0; k < PBF_DIM; ++k) {
+      planes->normal.c[k][l] = here.normal.c[k][l];
+      y.c[k][l] = x->c[k][l] + out * here.normal.c[k][l];
+    }
+  }
+  if (!lane_any_below(ops<lane>::set(0), lane_load(farther))) return;
+  find_looks(s, &y, enough, farther, &there);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real more = there.distance[l] < enough[l] ? farther[l] : 0;
+    left[l] = more > 0 ? 1 : left[l];
+  }
+}
+
+/* The plane of a field near `number` of some surfaces; false: there is no room, or fluid is inside.
  */
+static inline __attribute__((noinline)) bool meet_field(const pbf_constants *c,
+                                                        const pbf_obstacles *near, int number,
+                                                        const lane_values *x,
+                                                        const pbf_real asked[WIDTH],
+                                                        met_solids *met) {
+  const pbf_surface *s = &near->surfaces[number];
+  alignas(64) pbf_real wanted[WIDTH];
+  if (met->count == MET_PLANES || s->sign < 0 || !fits_lanes(s->field)) return false;
+  lane_planes *to = &met->of[met->count];
+  to->is_unbounded = false;
+  to->is_field = true;
+  find_lanes_around(s, x, pbf_boundary_reach(c), asked, wanted);
+  if (!lane_any_below(ops<lane>::set(0), lane_load(wanted))) return true;
+  find_field_planes(c, s, x, wanted, to, met->left);
+  if (!lane_any_below(ops<lane>::set(0), lane_load(to->near))) return true;
+  for (int k = 0; k < near->count; ++k)
+    if (k != number)
+      leave_beside(to, &near->surfaces[k],
+                   pbf_real_max(pbf_field_cell(s), pbf_cell_of(&near->surfaces[k])), x, met->left);
+  met->count += 1;
+  return true;
+}
+
+/* Beside the plane of a field others may be parts, or none: lanes that several are near, a field
+ * among them, are left. */
+static inline __attribute__((noinline)) void leave_several(met_solids *met) {
+  alignas(64) pbf_real planes[WIDTH] = {0}, of_fields[WIDTH] = {0};
+  for (uint32_t k = 0; k < met->count; ++k) {
+    const pbf_real is_field = met->of[k].is_field ? 1 : 0;
+    for (uint32_t l = 0; l < WIDTH; ++l) planes[l] += met->of[k].near[l];
+    for (uint32_t l = 0; l < WIDTH; ++l) of_fields[l] += is_field * met->of[k].near[l];
+  }
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real several = planes[l] > 1 ? of_fields[l] : 0;
+    met->left[l] = several > 0 ? 1 : met->left[l];
+  }
+}
+
+/* Of lanes that are asked, 1, or all of what has a closed form; false: there are more planes than
+ * there is room for, or a field that fluid is inside of. */
 static inline __attribute__((noinline)) bool meet_solids(const pbf_constants *c,
                                                          const pbf_obstacles *near,
-                                                         const lane_values *x, met_solids *met) {
+                                                         const lane_values *x,
+                                                         const pbf_real asked[WIDTH],
+                                                         met_solids *met) {
+  bool any_field = false;
   met->count = 0;
+  memset(met->left, 0, sizeof met->left);
   for (int k = 0; k < near->count; ++k) {
     const pbf_surface *s = &near->surfaces[k];
+    if (pbf_surface_is_field(s)) {
+      any_field = true;
+      if (!meet_field(c, near, k, x, asked, met)) return false;
+      continue;
+    }
     const int planes = pbf_surface_planes(s);
     for (int plane = 0; plane < planes; ++plane)
       if (!meet_plane(s, plane, planes, x, pbf_boundary_reach(c), met)) return false;
   }
+  if (any_field) leave_several(met);
   return true;
 }
 
@@ -121,6 +251,26 @@ struct planes_alone {
   lane_planes of;
 };
 
+/* Takes a plane over in the lanes that it is near. A function of its own: around such a loop the
+ * compiler keeps the lanes one by one. */
+static inline __attribute__((noinline)) void take_plane(const lane_planes *planes, pbf_real deepest,
+                                                        planes_alone *restrict alone) {
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real near = planes->near[l], distance = planes->distance[l];
+    const pbf_real sides = planes->sides[l], sloped = distance < deepest ? 0 : 1;
+    const pbf_vec normal = lane_value(&planes->normal, l);
+    const pbf_vec before = lane_value(&alone->of.normal, l);
+    const pbf_real before_sides = alone->of.sides[l], before_distance = alone->of.distance[l];
+    const pbf_real before_sloped = alone->has_slope[l];
+    alone->of.near[l] += near;
+    alone->has_slope[l] = near > 0 ? sloped : before_sloped;
+    alone->of.distance[l] = near > 0 ? distance : before_distance;
+    alone->of.sides[l] = near > 0 ? sides : before_sides;
+    for (int a = 0; a < PBF_DIM; ++a)
+      alone->of.normal.c[a][l] = near > 0 ? normal.c[a] : before.c[a];
+  }
+}
+
 static inline __attribute__((noinline)) void find_alone(const pbf_constants *c,
                                                         const met_solids *met,
                                                         const pbf_real to_wall[WIDTH],
@@ -130,15 +280,7 @@ static inline __attribute__((noinline)) void find_alone(const pbf_constants *c,
   for (uint32_t k = 0; k < met->count; ++k) {
     const lane_planes *planes = &met->of[k];
     const pbf_real deepest = planes->is_unbounded ? -(pbf_real)INFINITY : -c->wall_offset;
-    for (uint32_t l = 0; l < WIDTH; ++l) {
-      const pbf_real near = planes->near[l], sloped = planes->distance[l] < deepest ? 0 : 1;
-      alone->has_slope[l] = near > 0 ? sloped : alone->has_slope[l];
-      alone->of.near[l] += near;
-      alone->of.distance[l] = near > 0 ? planes->distance[l] : alone->of.distance[l];
-      alone->of.sides[l] = near > 0 ? planes->sides[l] : alone->of.sides[l];
-      for (int a = 0; a < PBF_DIM; ++a)
-        alone->of.normal.c[a][l] = near > 0 ? planes->normal.c[a][l] : alone->of.normal.c[a][l];
-    }
+    take_plane(planes, deepest, alone);
   }
   for (uint32_t l = 0; l < WIDTH; ++l) {
     const pbf_real clear = alone->of.sides[l] > 1 ? h : reach;

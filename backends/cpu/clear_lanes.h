@@ -4,8 +4,8 @@
 #ifndef PBF_CPU_CLEAR_LANES_H
 #define PBF_CPU_CLEAR_LANES_H
 
+#include "cpu/field_lanes.h"
 #include "cpu/kernels_collide.h"
-#include "cpu/lane_values.h"
 
 /* Whether the domain leaves all lanes where they are; it does not what is no number. */
 PBF_FN bool is_inside(const pbf_domain *domain, const lane_values *x) {
@@ -67,11 +67,39 @@ static __attribute__((noinline)) void shorten_ways(Shape shape, const pbf_surfac
   }
 }
 
-/* The same of some; false: one of them has no closed form. */
-PBF_FN bool shorten_ways_by(const pbf_obstacles *near, const lane_values *x, pbf_real *ways) {
+/* The same of a field, of ways that its ball is not farther than: its distance changes by no more
+ * than `steepest` times the way. */
+static inline __attribute__((noinline)) void shorten_ways_by_field(const pbf_surface *surface,
+                                                                   const lane_values *x,
+                                                                   const pbf_real longest[WIDTH],
+                                                                   pbf_real *restrict ways) {
+  const pbf_surface s = *surface;
+  alignas(64) pbf_real near[WIDTH];
+  lane_nearest nearest;
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real reach = longest[l] + 2 * s.skin + 16 * s.rounding;
+    near[l] = pbf_surface_is_beyond(&s, lane_value(x, l), reach) ? 0 : 1;
+  }
+  if (!lane_any_below(ops<lane>::set(0), lane_load(near))) return;
+  find_nearest_of(surface, x, near, &nearest);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    const pbf_real there = nearest.distance[l], beyond2 = nearest.beyond2[l], way = ways[l];
+    const pbf_real past = pbf_real_sqrt(beyond2 + there * there); /* pbf_field_past_grid */
+    const pbf_real distance = s.sign * (beyond2 > 0 ? past : there);
+    const pbf_real clear = (distance - 2 * s.skin - 16 * s.rounding) / s.steepest;
+    const pbf_real shorter = clear > 0 ? pbf_real_min(way, clear) : 0;
+    ways[l] = near[l] > 0 ? shorter : way;
+  }
+}
+
+/* The same of some, of ways up to these; false: there are too many nodes for lanes. */
+PBF_FN bool shorten_ways_by(const pbf_obstacles *near, const lane_values *x,
+                            const pbf_real longest[WIDTH], pbf_real *ways) {
   for (int k = 0; k < near->count; ++k) {
     const pbf_surface *s = &near->surfaces[k];
-    if (!ask_closed(s, [&](auto shape) { shorten_ways(shape, s, x, ways); })) return false;
+    if (ask_closed(s, [&](auto shape) { shorten_ways(shape, s, x, ways); })) continue;
+    if (!fits_lanes(s->field)) return false;
+    shorten_ways_by_field(s, x, longest, ways);
   }
   return true;
 }
@@ -120,7 +148,7 @@ static inline __attribute__((noinline)) bool find_clear_lanes(
                !pbf_surface_is_beyond(s, these.center, these.radius + longest + 2 * s->skin);
       },
       &near);
-  if (!still || !shorten_ways_by(&near, from, ways)) return false;
+  if (!still || !shorten_ways_by(&near, from, gone, ways)) return false;
   for (uint32_t l = 0; l < WIDTH; ++l) clear->is[l] = gone[l] < ways[l] ? 1 : 0;
   return true;
 }

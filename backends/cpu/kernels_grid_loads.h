@@ -1,6 +1,5 @@
 /* Part of kernels.cpp: what the pressure of a pressure grid does to solids (physics/grid_loads.h),
- * a point in each lane. The loops over lanes are left to the compiler's vectoriser; what has no
- * closed form is asked lane by lane. */
+ * a point in each lane. The loops over lanes are left to the compiler's vectoriser. */
 #ifndef PBF_CPU_KERNELS_GRID_LOADS_H
 #define PBF_CPU_KERNELS_GRID_LOADS_H
 
@@ -47,15 +46,18 @@ struct load_rises {
 /* Of the lanes that are wanted. */
 static __attribute__((noinline)) void find_field(const pbf_surface *s, const lane_values *x,
                                                  const pbf_real wanted[WIDTH], pbf_real reach,
-                                                 lane_planes *planes) {
-  memset(planes, 0, sizeof *planes);
+                                                 lane_planes *restrict planes) {
+  alignas(64) pbf_real in_ball[WIDTH], enough[WIDTH];
+  lane_looks looks;
   for (uint32_t l = 0; l < WIDTH; ++l) {
-    const pbf_vec place = lane_value(x, l);
-    pbf_vec normal;
-    if (!(wanted[l] > 0) || pbf_surface_is_beyond(s, place, reach)) continue;
-    planes->distance[l] = pbf_nearest_distance(s, place, reach, &normal);
-    planes->near[l] = planes->distance[l] < reach ? 1 : 0;
-    set_lane(&planes->normal, l, normal);
+    enough[l] = s->sign < 0 ? (pbf_real)INFINITY : reach;
+    in_ball[l] = pbf_surface_is_beyond(s, lane_value(x, l), reach) ? 0 : wanted[l];
+  }
+  find_looks(s, x, enough, in_ball, &looks);
+  for (uint32_t l = 0; l < WIDTH; ++l) {
+    planes->distance[l] = looks.distance[l];
+    planes->near[l] = looks.distance[l] < reach ? in_ball[l] : 0;
+    for (int k = 0; k < PBF_DIM; ++k) planes->normal.c[k][l] = looks.normal.c[k][l];
   }
 }
 
@@ -83,7 +85,7 @@ PBF_FN void meet_solid(const grid_load_pass *p, int solid, const pbf_real are_po
   points->count += any_lane(to->planes.near);
 }
 
-/* Walls, and some colliders; false: there is no room for all of them. */
+/* Walls, and some colliders; false: there is no room for all of them, or one has too many nodes. */
 static bool meet_solids(const grid_load_pass *p, const uint16_t *near, int count, uint32_t lanes,
                         load_points *points) {
   alignas(64) pbf_real are_points[WIDTH];
@@ -91,7 +93,10 @@ static bool meet_solids(const grid_load_pass *p, const uint16_t *near, int count
   points->count = 0;
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) meet_solid(p, wall, are_points, points);
   for (int k = 0; k < count; ++k) {
+    const pbf_surface *s = &p->obstacles->surfaces[near[k]];
+    if (!is_near_any(s, &points->x, (pbf_real)pbf_grid_load_reach(p->scales->spacing))) continue;
     if (points->count == LOAD_SOLIDS) return false;
+    if (pbf_surface_is_field(s) && !fits_lanes(s->field)) return false;
     meet_solid(p, PBF_WALLS + near[k], are_points, points);
   }
   return true;

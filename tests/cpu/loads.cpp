@@ -108,7 +108,7 @@ static void solids_take_of_a_range_what_they_take_of_each(void **state) {
   uint16_t near[MOST];
   int some = 0, in_lanes = 0;
   for (int k = 0; k < SCENES; ++k) {
-    make_scene(&random, &s);
+    make_scene(&random, k, &s);
     random_particles(&random, &all);
     list_all(&s, near);
     const pbf_load_scales scales = some_scales();
@@ -173,7 +173,7 @@ static void a_grid_presses_around_points_as_around_each(void **state) {
   uint16_t near[MOST];
   int some = 0, in_lanes = 0;
   for (int k = 0; k < SCENES; ++k) {
-    make_scene(&random, &s);
+    make_scene(&random, k, &s);
     list_all(&s, near);
     make_grid(&s, &random, &storage);
     const pbf_load_scales scales = some_scales();

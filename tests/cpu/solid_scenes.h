@@ -1,4 +1,4 @@
-/* Random scenes of solids of all closed forms, and places near each other, inside and at walls. */
+/* Random scenes of solids of all forms, and places near each other, inside and at walls. */
 #ifndef PBF_TEST_CPU_SOLID_SCENES_H
 #define PBF_TEST_CPU_SOLID_SCENES_H
 
@@ -28,13 +28,66 @@ static void turn_at_random(uint64_t *random, double orientation[4]) {
   for (int k = 0; k < 4; ++k) orientation[k] /= sqrt(norm2);
 }
 
-/* Of all closed forms; some hold all of the fluid, some move, and of some the edges are level with
- * the axes, where planes through them are at right angles to walls. */
-static pbf_surface random_surface(uint64_t *random) {
+static double distance_from_box(const double p[PBF_DIM], const double half[PBF_DIM]) {
+  double inside = -INFINITY, outside2 = 0;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double d = fabs(p[k]) - half[k];
+    inside = fmax(inside, d);
+    outside2 += d > 0 ? d * d : 0;
+  }
+  return outside2 > 0 ? sqrt(outside2) : inside;
+}
+
+/* What is inside of a box with these half extents, as distances on a grid, which ends less than h
+ * from it. */
+template <class Distance>
+static pbf_shape *field_of(const double half[PBF_DIM], double bound, Distance distance) {
+  enum { NODES = 17 };
+  static float values[NODES * NODES * NODES];
+  static pbf_shape f;
+  f.nodes[2] = 1;
+  f.cell = 0.15;
+  f.steepest = 1;
+  f.bound = bound;
+  f.values = values;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    f.nodes[k] = NODES;
+    f.origin[k] = -0.5 * (NODES - 1) * f.cell;
+    f.lower[k] = -half[k], f.upper[k] = half[k];
+  }
+  for (int i = 0; i < NODES * NODES * (PBF_DIM == 3 ? NODES : 1); ++i) {
+    double at[PBF_DIM];
+    for (int k = 0, rest = i; k < PBF_DIM; ++k, rest /= NODES)
+      at[k] = f.origin[k] + rest % NODES * f.cell;
+    values[i] = (float)distance(at);
+  }
+  return &f;
+}
+
+/* Two boxes that cross, which have corners that fluid is in, or a ball, which fills the one around
+ * it. */
+static pbf_shape *random_field(uint64_t *random) {
+  static const double half[] = {0.8, 0.3, 0.6}, across[] = {0.3, 0.8, 0.5}, all[] = {0.8, 0.8, 0.8};
+  static pbf_shape *const boxes = field_of(all, 1.2, [](const double *p) {
+    return fmin(distance_from_box(p, half), distance_from_box(p, across));
+  });
+  static pbf_shape *const ball = field_of(all, 0.8, [](const double *p) {
+    double r2 = 0;
+    for (int k = 0; k < PBF_DIM; ++k) r2 += p[k] * p[k];
+    return sqrt(r2) - 0.8;
+  });
+  return random_in(random, 0, 1) < 0.5 ? boxes : ball;
+}
+
+/* Of all closed forms, or of any; some hold all of the fluid, some move, and of some the edges are
+ * level with the axes, where planes through them are at right angles to walls. Where fields are
+ * some lie upon the one before. */
+static pbf_surface random_surface(uint64_t *random, bool fields, const pbf_surface *before) {
   pbf_collider c;
   memset(&c, 0, sizeof c);
-  c.shape = (uint32_t)random_in(random, 0, 4);
+  c.shape = (uint32_t)fmin(random_in(random, 0, fields ? 7 : 4), PBF_COLLIDER_SHAPE);
   c.inverted = random_in(random, 0, 1) < 0.1 && c.shape != PBF_COLLIDER_PLANE;
+  if (c.shape == PBF_COLLIDER_SHAPE) c.inverted = 0, c.geometry = random_field(random), c.scale = 1;
   c.radius = c.inverted ? around : random_in(random, 0.2, 1.5);
   c.half_length = random_in(random, 0.2, 2);
   c.axis[1] = 1;
@@ -45,6 +98,8 @@ static pbf_surface random_surface(uint64_t *random) {
     c.position[k] = c.inverted ? 0 : random_in(random, -around, around);
     c.velocity[k] = moves ? random_in(random, -2, 2) : 0;
   }
+  for (int k = 0; k < PBF_DIM && fields && before && !c.inverted; ++k)
+    c.position[k] = (double)before->center.c[k] + random_in(random, -0.5, 0.5);
   if (c.shape == PBF_COLLIDER_PLANE) c.position[1] = -around;
   if (random_in(random, 0, 1) < 0.5) turn_at_random(random, c.orientation);
   pbf_surface s = pbf_surface_at(&c, 0, 1);
@@ -54,7 +109,8 @@ static pbf_surface random_surface(uint64_t *random) {
   return s;
 }
 
-static void make_scene(uint64_t *random, scene *s) {
+/* Every other one has fields. */
+static void make_scene(uint64_t *random, int which, scene *s) {
   pbf_params p = test_params(PBF_KERNEL_WENDLAND_C2);
   p.smoothing_radius = h;
   p.spacing = h / 2;
@@ -67,7 +123,8 @@ static void make_scene(uint64_t *random, scene *s) {
   s->o.count = 1 + (int)random_in(random, 0, MOST);
   s->o.surfaces = {s->surfaces, NULL};
   s->o.room = s->room;
-  for (int k = 0; k < s->o.count; ++k) s->surfaces[k] = random_surface(random);
+  for (int k = 0; k < s->o.count; ++k)
+    s->surfaces[k] = random_surface(random, which % 2, k % 3 ? &s->surfaces[k - 1] : NULL);
 }
 
 /* Near each other, inside and at walls. */

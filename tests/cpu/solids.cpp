@@ -33,7 +33,7 @@ static void a_group_has_what_each_particle_has(void **state) {
   uint64_t random = 1;
   int beside = 0;
   for (int k = 0; k < SCENES; ++k) {
-    make_scene(&random, &s);
+    make_scene(&random, k, &s);
     const lane_values x = random_places(&random);
     beside += check_boundary(&s, k, &x, NULL);
   }
@@ -48,7 +48,7 @@ static void those_that_stay_clear_need_not_be_asked(void **state) {
   int all = 0, some = 0;
   for (int k = 0; k < SCENES; ++k) {
     alignas(64) pbf_real ways[WIDTH];
-    make_scene(&random, &s);
+    make_scene(&random, k, &s);
     const lane_values from = random_places(&random);
     lane_values x = from;
     find_clear(&s.constants, &s.o, &from, ways);
@@ -71,7 +71,7 @@ static void what_is_clear_goes_where_the_domain_keeps_it(void **state) {
   int clear_ones = 0, met = 0;
   for (int k = 0; k < SCENES; ++k) {
     lane_marks clear;
-    make_scene(&random, &s);
+    make_scene(&random, k, &s);
     const lane_values from = random_places(&random);
     lane_values x = from;
     for (int a = 0; a < PBF_DIM; ++a)

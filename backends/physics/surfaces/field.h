@@ -29,14 +29,19 @@ PBF_FN pbf_spline pbf_spline_at(pbf_real u) {
   return spline;
 }
 
+/* The middle one of the three nodes around a place along an axis. */
+PBF_FN int pbf_field_middle(const pbf_shape *f, int axis, pbf_real along) {
+  const int last = (int)f->nodes[axis] - 2, nearest = (int)(along + (pbf_real)0.5);
+  return nearest < 1 ? 1 : nearest < last ? nearest : last;
+}
+
 /* The nodes around a place that is in cells from the first one: the first of them; *along gets
  * their weights, *stride what nodes are apart in memory. */
 PBF_FN uint64_t pbf_field_nodes_around(const pbf_shape *f, pbf_vec place, pbf_spline along[PBF_DIM],
                                        uint64_t stride[PBF_DIM]) {
   uint64_t first = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const int last = (int)f->nodes[k] - 2, nearest = (int)(place.c[k] + (pbf_real)0.5);
-    const int middle = nearest < 1 ? 1 : nearest < last ? nearest : last;
+    const int middle = pbf_field_middle(f, k, place.c[k]);
     stride[k] = k == 0 ? 1 : stride[k - 1] * f->nodes[k - 1];
     along[k] = pbf_spline_at(place.c[k] - (pbf_real)middle);
     first += (uint64_t)(middle - 1) * stride[k];
@@ -110,9 +115,9 @@ typedef struct pbf_field_nearest {
   pbf_vec slope;
 } pbf_field_nearest;
 
-PBF_FN_NOINLINE pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf_vec at,
-                                                       pbf_vec *beyond, pbf_real *beyond2) {
-  pbf_field_nearest nearest;
+/* The nearest place that is within the grid, and the way from there. */
+PBF_FN pbf_vec pbf_field_within_grid(const pbf_surface *s, pbf_vec at, pbf_vec *beyond,
+                                     pbf_real *beyond2) {
   pbf_vec place;
   *beyond2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
@@ -121,6 +126,13 @@ PBF_FN_NOINLINE pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf
     beyond->c[k] = pbf_field_cell(s) * (at.c[k] - place.c[k]);
     *beyond2 += beyond->c[k] * beyond->c[k];
   }
+  return place;
+}
+
+PBF_FN_NOINLINE pbf_field_nearest pbf_field_nearest_to(const pbf_surface *s, pbf_vec at,
+                                                       pbf_vec *beyond, pbf_real *beyond2) {
+  pbf_field_nearest nearest;
+  const pbf_vec place = pbf_field_within_grid(s, at, beyond, beyond2);
   nearest.distance = s->scale * pbf_field_interpolated(s->field, place, &nearest.slope);
   return nearest;
 }
@@ -135,15 +147,20 @@ PBF_FN pbf_vec pbf_field_place(const pbf_surface *s, pbf_vec p) {
 
 /* The normal, and how steep the distance is along it: 1 where one plane is nearest to all around,
  * less where several are to parts of it. */
-PBF_FN_NOINLINE pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
+PBF_FN pbf_real pbf_field_turned(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
   pbf_real steepness = pbf_real_sqrt(pbf_dot(slope, slope));
-  if (!(steepness > 0)) slope.c[0] = steepness = 1;
+  slope.c[0] = steepness > 0 ? slope.c[0] : 1;
+  steepness = steepness > 0 ? steepness : 1;
   for (int row = 0; row < PBF_DIM; ++row) slope.c[row] /= steepness;
   for (int k = 0; k < PBF_DIM; ++k) {
     normal->c[k] = 0;
     for (int row = 0; row < PBF_DIM; ++row) normal->c[k] += s->frame[row].c[k] * slope.c[row];
   }
   return steepness;
+}
+
+PBF_FN_NOINLINE pbf_real pbf_field_normal(const pbf_surface *s, pbf_vec slope, pbf_vec *normal) {
+  return pbf_field_turned(s, slope, normal);
 }
 
 /* The distance of p, which counts from the center, or what it is at least. */
@@ -157,29 +174,52 @@ PBF_FN_NOINLINE pbf_real pbf_field_distance(const pbf_surface *s, pbf_vec p, pbf
   return nearest.distance;
 }
 
+/* How far a place past the grid is from what is nearest to the grid's border: from the plane that
+ * this is on, and from the point, along a way. */
+typedef struct pbf_field_ahead {
+  pbf_real plane, point;
+  pbf_vec way, foot; /* foot: of the plane, in the frame of the grid */
+} pbf_field_ahead;
+
+PBF_FN pbf_field_ahead pbf_field_look_ahead(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
+                                            const pbf_field_nearest *nearest) {
+  pbf_field_ahead ahead;
+  pbf_real steepness = pbf_real_sqrt(pbf_dot(nearest->slope, nearest->slope));
+  steepness = steepness > 0 ? steepness : 1;
+  const pbf_vec normal = pbf_scaled(nearest->slope, 1 / steepness);
+  ahead.plane = nearest->distance + pbf_dot(beyond, normal);
+  ahead.way = pbf_add_scaled(beyond, nearest->distance, normal);
+  ahead.point = pbf_real_sqrt(pbf_dot(ahead.way, ahead.way));
+  ahead.foot = pbf_add_scaled(at, -ahead.plane / pbf_field_cell(s), normal);
+  return ahead;
+}
+
+/* Whether it decides something which of both it is. */
+PBF_FN bool pbf_field_asks_ahead(const pbf_field_ahead &ahead, pbf_real enough) {
+  return ahead.plane < (pbf_real)0.9999 * ahead.point && !(ahead.plane > enough);
+}
+
+/* Whether the plane does not go on to its foot, which is so far from the surface, and past the
+ * grid. */
+PBF_FN bool pbf_field_ends_before(const pbf_surface *s, pbf_real off, pbf_real past2) {
+  const pbf_real cell = pbf_field_cell(s);
+  return past2 > 0 || off > cell / 4 || off < -cell / 4;
+}
+
 /* Past the grid: what is nearest to its border is about nearest there, too, or the plane that it is
  * on, if that goes on to there. The plane is never the farther one: which of both it is need not be
  * known where even the plane is farther than `enough`. */
 PBF_FN_NOINLINE void pbf_field_go_on(const pbf_surface *s, pbf_vec at, pbf_vec beyond,
                                      pbf_real enough, pbf_field_nearest *nearest) {
-  pbf_vec foot, way, ignored;
-  pbf_real ignored2, steepness = pbf_real_sqrt(pbf_dot(nearest->slope, nearest->slope));
-  if (!(steepness > 0)) steepness = 1;
-  const pbf_vec normal = pbf_scaled(nearest->slope, 1 / steepness);
-  const pbf_real plane = nearest->distance + pbf_dot(beyond, normal);
-  way = pbf_add_scaled(beyond, nearest->distance, normal);
-  const pbf_real point = pbf_real_sqrt(pbf_dot(way, way));
-  if (plane < (pbf_real)0.9999 * point && !(plane > enough)) {
-    const pbf_real cell = pbf_field_cell(s);
-    foot = pbf_add_scaled(at, -plane / cell, normal);
-    const pbf_real off = pbf_field_nearest_to(s, foot, &ignored, &ignored2).distance;
-    if (ignored2 > 0 || off > cell / 4 || off < -cell / 4) {
-      nearest->distance = point;
-      nearest->slope = pbf_scaled(way, 1 / point);
-      return;
-    }
-  }
-  nearest->distance = plane;
+  pbf_vec ignored;
+  pbf_real past2;
+  const pbf_field_ahead ahead = pbf_field_look_ahead(s, at, beyond, nearest);
+  nearest->distance = ahead.plane;
+  if (!pbf_field_asks_ahead(ahead, enough)) return;
+  const pbf_real off = pbf_field_nearest_to(s, ahead.foot, &ignored, &past2).distance;
+  if (!pbf_field_ends_before(s, off, past2)) return;
+  nearest->distance = ahead.point;
+  nearest->slope = pbf_scaled(ahead.way, 1 / ahead.point);
 }
 
 /* The distance, also where that may be more than what something else of it has, the normal, and how
@@ -197,7 +237,7 @@ PBF_FN_NOINLINE pbf_real pbf_field_look(const pbf_surface *s, pbf_vec p, pbf_rea
 
 /* Whether p is farther than `reach` from the box around it, each side of which is known to a cell.
  */
-PBF_FN_NOINLINE int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
+PBF_FN int pbf_field_box_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
   pbf_real beyond2 = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real at = pbf_dot(p, s->frame[k]);
@@ -207,6 +247,10 @@ PBF_FN_NOINLINE int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_rea
     beyond2 += beyond > 0 ? beyond * beyond : 0;
   }
   return s->sign > 0 && beyond2 > reach * reach;
+}
+
+PBF_FN_NOINLINE int pbf_field_is_beyond(const pbf_surface *s, pbf_vec p, pbf_real reach) {
+  return pbf_field_box_is_beyond(s, p, reach);
 }
 
 /* ---- Ways ----------------------------------------------------------------------------------- */
