@@ -169,7 +169,7 @@ static pbf_status tell_used(pbf_solver *solver, uint32_t used) {
 
 pbf_status pbf_phases_tell_used(pbf_solver *solver) {
   pbf_phases *phases = solver->phases;
-  if (!differ(phases) || solver->ranks.count) return PBF_OK;
+  if (!differ(phases)) return PBF_OK;
   const uint32_t used = find_used(solver), all = (UINT32_C(1) << phases->count) - 1;
   if (!used || used == phases->used) return PBF_OK;
   if (phases->used || used != all) return tell_used(solver, used);

@@ -154,6 +154,34 @@ static void so_are_phases(void **state) {
   test_for_long_kinds(check_fluids);
 }
 
+/* Deep water, and a list with a light fluid that is still to come: a grid carries what there is. */
+static void list_fluids(const scene *c, pbf_solver *s) {
+  pbf_phase phases[2];
+  (void)c;
+  for (int k = 0; k < 2; ++k) EXPECT_OK(pbf_phase_init(&phases[k], sizeof phases[k]));
+  phases[1].rest_density = 0.5;
+  EXPECT_OK(pbf_set_phases(s, 2, phases));
+}
+
+static void add_light(const scene *c, pbf_solver *s) {
+  const uint32_t light[5] = {1, 1, 1, 1, 1};
+  EXPECT_OK(pbf_set_particle_phases(s, c->count / 2, 5, light));
+}
+
+static void check_listed(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.set_up = list_fluids;
+  c.params.pressure_grid = 2;
+  scene_check("a fluid that is listed alone", &c);
+  c.change = add_light;
+  scene_check("a fluid that comes", &c);
+}
+
+static void so_are_fluids_that_are_not_there(void **state) {
+  (void)state;
+  test_for_long_kinds(check_listed);
+}
+
 /* ---- Sleep --------------------------------------------------------------------------------- */
 
 /* Something falls into what has fallen asleep. */
@@ -259,6 +287,7 @@ int main(void) {
       cmocka_unit_test(loads_are_the_same),
       cmocka_unit_test(so_is_friction),
       cmocka_unit_test(so_are_phases),
+      cmocka_unit_test(so_are_fluids_that_are_not_there),
       cmocka_unit_test(so_are_periodic_axes),
       cmocka_unit_test(so_is_sleep),
   };
