@@ -8,14 +8,17 @@
 
 #include <pbf/pbf_backend.h>
 
+#include "physics/scene_arrays.h"
+
 typedef struct pbf_array {
   const char *name;
   void *data;
   uint64_t bytes;
 } pbf_array;
 
-/* More than a plan has entries for: the last ones are in its bytes alone. */
-enum { PBF_MEMORY_ARRAYS = PBF_MAX_ARRAYS + 16 };
+/* All that a scene may have at once, on ranks, too; no more than some are of one backend. A plan
+ * has fewer entries: the last arrays are in its bytes alone. */
+enum { PBF_LASTING_ARRAYS = 48, PBF_MEMORY_ARRAYS = PBF_LASTING_ARRAYS + PBF_SCENE_ARRAYS };
 
 typedef struct pbf_memory {
   pbf_allocator allocator;

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "cuda/plugin.h"
+#include "physics/scene_arrays.h"
 
 struct pbf_cuda_array {
   const char *name;
@@ -13,8 +14,8 @@ struct pbf_cuda_array {
   uint64_t bytes;
 };
 
-/* More than a plan has entries for: the last ones are in its bytes alone. */
-enum { PBF_CUDA_ARRAYS = PBF_MAX_ARRAYS + 16 };
+/* All that a scene may have at once, as PBF_MEMORY_ARRAYS. */
+enum { PBF_CUDA_LASTING_ARRAYS = 48, PBF_CUDA_ARRAYS = PBF_CUDA_LASTING_ARRAYS + PBF_SCENE_ARRAYS };
 
 struct pbf_cuda_memory {
   pbf_cuda_array arrays[PBF_CUDA_ARRAYS];

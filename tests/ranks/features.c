@@ -280,6 +280,45 @@ static void so_are_periodic_axes(void **state) {
   test_for_long_kinds(check_periodic);
 }
 
+/* ---- All at once --------------------------------------------------------------------------- */
+
+static void set_all(const scene *c, pbf_solver *s) {
+  list_fluids(c, s);
+  set_plate(c, s);
+}
+
+static void change_all(const scene *c, pbf_solver *s) {
+  scene_accelerate(c, s);
+  scene_fill(c, s, 300, 0.03);
+  pbf_params params = c->params;
+  params.time_step /= 40; /* so short that little of an error at its start is undone */
+  EXPECT_OK(pbf_set_params(s, &params));
+}
+
+/* A solver has a place for each array of them. */
+static void check_all(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.phases = 2;
+  c.set_up = set_all;
+  c.change = change_all;
+  c.params.loads = 1;
+  c.params.wall_friction = 0.3;
+  c.params.viscosity = 0.002;
+  c.params.damping_compensation = 1;
+  c.params.angular_momentum_correction = 1;
+  c.params.pressure_grid = 2;
+  c.params.periodic = PBF_PERIODIC_X;
+  c.params.tolerance = 0.002;
+  c.params.sleep_speed = 0.5;
+  c.params.sleep_time = 0.02;
+  scene_check("all at once", &c);
+}
+
+static void all_at_once_is_the_same(void **state) {
+  (void)state;
+  test_for_long_kinds(check_all);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_pressure_grid_is_the_same),
@@ -290,6 +329,7 @@ int main(void) {
       cmocka_unit_test(so_are_fluids_that_are_not_there),
       cmocka_unit_test(so_are_periodic_axes),
       cmocka_unit_test(so_is_sleep),
+      cmocka_unit_test(all_at_once_is_the_same),
   };
   return TEST_RUN(tests);
 }
