@@ -25,12 +25,13 @@ struct rank_call {
 static inline const char *differing_part(const rank_call &a, const rank_call &b) {
   if (a.room != b.room) return "desc.capacity, or local_capacity";
   if (a.kind != b.kind) return "dimension, precision or shares";
-  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
   if (a.params != b.params) return "the parameters";
   if (a.colliders != b.colliders) return "the colliders";
   if (a.phases != b.phases) return "the phases";
   if (a.particles != b.particles) return "the particles that were added, set or removed";
-  if (a.settings != b.settings) return "emitters, drains, reservoirs or diffuse particles";
+  if (a.settings != b.settings)
+    return "emitters, drains, reservoirs, diffuse particles, snapshots or previous positions";
+  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
   return a.arguments != b.arguments ? "the arguments of the call, or the time" : nullptr;
 }
 

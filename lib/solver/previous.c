@@ -7,6 +7,7 @@
 #include "handles.h"
 #include "ids.h"
 #include "memory.h"
+#include "rank_settings.h"
 
 static char *place(const pbf_solver *solver, uint32_t row) {
   return (char *)solver->previous + row * pbf_point_bytes(solver);
@@ -30,15 +31,17 @@ void pbf_previous_set(pbf_solver *solver, uint32_t first, uint32_t count, const 
 static pbf_status keep_previous(pbf_solver *solver, uint32_t enabled) {
   if (enabled > 1)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "enabled is %u; it must be 0 or 1", enabled);
+  pbf_status status = PBF_OK;
   if (enabled && !solver->previous)
-    return pbf_memory_allocate(&solver->allocator, pbf_previous_bytes(solver),
-                               "the positions before a step", &solver->previous);
+    status = pbf_memory_allocate(&solver->allocator, pbf_previous_bytes(solver),
+                                 "the positions before a step", &solver->previous);
   if (!enabled) {
     pbf_memory_free(&solver->allocator, solver->previous, pbf_previous_bytes(solver));
     solver->previous = NULL;
     pbf_previous_forget(solver);
   }
-  return PBF_OK;
+  if (status == PBF_OK) pbf_rank_settings_tell(solver);
+  return status;
 }
 
 pbf_status pbf_keep_previous(pbf_solver *solver, uint32_t enabled) {

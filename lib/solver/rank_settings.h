@@ -8,4 +8,8 @@
  * ranks, in the next call that needs all. `call` is that call's name. */
 void pbf_rank_settings_note(pbf_solver *solver, const char *call, const void *data, uint64_t bytes);
 
+/* The same of what steps read for, which may be set and taken back: snapshots, previous positions.
+ */
+void pbf_rank_settings_tell(pbf_solver *solver);
+
 #endif

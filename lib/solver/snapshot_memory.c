@@ -16,8 +16,13 @@ static uint64_t id_bytes(const pbf_solver *solver) {
   return rounded((uint64_t)solver->capacity * sizeof(uint32_t));
 }
 
+static uint64_t spare_bytes(const pbf_solver *solver) {
+  return solver->ranks.count ? field_bytes(solver) : 0;
+}
+
 static uint64_t bytes_for(const pbf_solver *solver, uint32_t count) {
-  return rounded(sizeof(pbf_snapshots)) + count * (2 * field_bytes(solver) + id_bytes(solver));
+  return rounded(sizeof(pbf_snapshots)) + count * (2 * field_bytes(solver) + id_bytes(solver)) +
+         spare_bytes(solver);
 }
 
 uint64_t pbf_snapshots_bytes(const pbf_solver *solver, const pbf_snapshots *snapshots) {
@@ -53,5 +58,6 @@ pbf_status pbf_snapshots_allocate(pbf_solver *solver, uint32_t count, pbf_snapsh
     all->list[k].ids = (uint32_t *)(void *)(next + 2 * field_bytes(solver));
     next += 2 * field_bytes(solver) + id_bytes(solver);
   }
+  all->spare = spare_bytes(solver) ? next : NULL;
   return PBF_OK;
 }

@@ -18,6 +18,7 @@ typedef struct snapshot {
 typedef struct pbf_snapshots {
   uint32_t count;
   snapshot *latest;
+  char *spare; /* on ranks: where positions and velocities go that there is no room for here */
   snapshot list[PBF_MAX_SNAPSHOTS];
 } pbf_snapshots;
 

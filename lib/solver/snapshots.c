@@ -6,6 +6,7 @@
 #include "held_snapshots.h"
 #include "ids.h"
 #include "lock.h"
+#include "rank_settings.h"
 #include "snapshot_memory.h"
 #include "solver_time.h"
 #include "structs.h"
@@ -22,22 +23,28 @@ static snapshot *find_free(pbf_snapshots *all) {
   return found;
 }
 
-static pbf_status fill(pbf_solver *solver, snapshot *to) {
+static pbf_status read_particles(pbf_solver *solver, void *positions, void *velocities) {
   const pbf_rows rows = pbf_ids_rows(solver, 0, solver->count);
+  if (solver->count == 0) return PBF_OK;
+  pbf_status status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, positions);
+  if (status == PBF_OK)
+    status = solver->api.read(solver->backend, PBF_FIELD_VELOCITY, &rows, velocities);
+  return pbf_backend_result(solver, status, "read");
+}
+
+static pbf_status fill(pbf_solver *solver, snapshot *to) {
   to->count = solver->count;
   to->step = solver->step;
   to->time = pbf_solver_time(solver);
   for (uint32_t row = 0; row < solver->count; ++row) to->ids[row] = pbf_ids_of_row(solver, row);
-  if (solver->count == 0) return PBF_OK;
-  pbf_status status = solver->api.read(solver->backend, PBF_FIELD_POSITION, &rows, to->positions);
-  if (status == PBF_OK)
-    status = solver->api.read(solver->backend, PBF_FIELD_VELOCITY, &rows, to->velocities);
-  return pbf_backend_result(solver, status, "read");
+  return read_particles(solver, to->positions, to->velocities);
 }
 
+/* Readers may hold all of one rank's snapshots, and none of another's, which needs all ranks to
+ * make one. */
 static pbf_status make(pbf_solver *solver, pbf_snapshots *all) {
   snapshot *next = find_free(all);
-  if (!next) return PBF_OK;
+  if (!next) return all->spare ? read_particles(solver, all->spare, all->spare) : PBF_OK;
   pbf_status status = fill(solver, next);
   if (status != PBF_OK) return status;
   pbf_lock_take(PBF_LOCK_SOLVERS);
@@ -78,6 +85,7 @@ static pbf_status set_snapshots(pbf_solver *solver, uint32_t count) {
   pbf_status status = count > 0 ? pbf_snapshots_allocate(solver, count, &snapshots) : PBF_OK;
   if (status == PBF_OK && count > 0) status = make(solver, snapshots);
   if (status == PBF_OK) status = exchange(solver, &snapshots);
+  if (status == PBF_OK) pbf_rank_settings_tell(solver);
   pbf_snapshots_free(solver, snapshots);
   return status;
 }

@@ -11,6 +11,7 @@
 #include "solver/ids.h"
 #include "solver/overlap.h"
 #include "solver/previous.h"
+#include "solver/rank_settings.h"
 #include "solver/set_params.h"
 #include "solver/solver_time.h"
 #include "solver/step.h"
@@ -157,6 +158,12 @@ static void commit(pbf_solver *solver, pbf_saved_state *in) {
   if (!in->header.has_ids) pbf_memory_free(&solver->allocator, old_ids, pbf_ids_bytes(solver));
 }
 
+/* By its checksum, with which a state ends. */
+static void note_state(pbf_solver *solver, const void *buffer, uint64_t size) {
+  const char *end = (const char *)buffer + size;
+  pbf_rank_settings_note(solver, "pbf_load", end - sizeof(uint64_t), sizeof(uint64_t));
+}
+
 static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
   pbf_saved_state in;
   pbf_status status = pbf_check_unmapped(solver);
@@ -166,6 +173,7 @@ static pbf_status load(pbf_solver *solver, const void *buffer, uint64_t size) {
   if (status != PBF_OK) return status;
   status = replace_state(solver, &in);
   if (status == PBF_OK) commit(solver, &in);
+  if (status == PBF_OK) note_state(solver, buffer, size);
   pbf_saved_state_free(solver, &in);
   return status;
 }

@@ -254,7 +254,53 @@ static void differ_in_emission(const pbf_ranks *ranks, void *context) {
   if (what == 2) EXPECT_OK(pbf_set_reservoirs(s, 1, &tank));
   if (what == 3) EXPECT_OK(pbf_set_diffuse(s, &spray));
   EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT,
-               "emitters, drains, reservoirs or diffuse particles");
+               "emitters, drains, reservoirs, diffuse particles");
+  pbf_destroy(s);
+}
+
+/* Of the same particles, with a drain that is another one's. */
+static void load_other_states(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  pbf_volume drain;
+  uint64_t size = 0;
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_volume_init(&drain, sizeof drain, PBF_VOLUME_BOX));
+  for (int k = 0; k < 3; ++k) drain.position[k] = 0.9, drain.half_extents[k] = 0.02;
+  EXPECT_OK(pbf_set_drains(s, 1, &drain));
+  EXPECT_OK(pbf_save(s, NULL, &size));
+  char *states = malloc(2 * size);
+  if (!EXPECT(states)) return;
+  EXPECT_OK(pbf_save(s, states, &size));
+  drain.position[0] = 0.8;
+  EXPECT_OK(pbf_set_drains(s, 1, &drain));
+  EXPECT_OK(pbf_save(s, states + size, &size));
+  EXPECT_OK(pbf_load(s, states + (ranks->rank == 1 ? size : 0), size));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT, "ranks 0 and 1 differ in emitters");
+  free(states);
+  pbf_destroy(s);
+}
+
+/* Steps read for them, which takes all ranks. Once all have them steps go on. */
+static void differ_in_what_is_read(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  const int what = *(const int *)context;
+  const uint32_t has = ranks->rank != 1;
+  uint64_t before = 0, after = 1;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_set_snapshots(s, 2));
+  EXPECT_OK(pbf_hash(s, &before));
+  if (what == 0 && !has) EXPECT_OK(pbf_set_snapshots(s, 0));
+  if (what == 1) EXPECT_OK(pbf_keep_previous(s, has));
+  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_INVALID_ARGUMENT, "snapshots or previous positions");
+  EXPECT_OK(what == 0 ? pbf_set_snapshots(s, 0) : pbf_keep_previous(s, 1));
+  EXPECT_OK(pbf_hash(s, &after));
+  EXPECT(before == after);
+  EXPECT_OK(pbf_step(s, 1));
   pbf_destroy(s);
 }
 
@@ -283,6 +329,42 @@ static void ranks_that_differ_are_told_in_what(void **state) {
   run(2, 0, differ_in_phases, NULL);
   run(2, 0, make_other_calls, NULL);
   for (int what = 0; what < 4; ++what) run(3, 0, differ_in_emission, &what);
+  for (int what = 0; what < 2; ++what) run(3, 0, differ_in_what_is_read, &what);
+  run(2, 0, load_other_states, NULL);
+}
+
+/* ---- Readers ------------------------------------------------------------------------------- */
+
+/* Of rank 1 all snapshots are held; it has the latest that it had room for, and steps go on. */
+static void hold_all(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  pbf_solver *s = solver_on(ranks, &params);
+  const uint32_t reads = ranks->rank == 1;
+  pbf_snapshot held[2] = {{.struct_size = sizeof *held}, {.struct_size = sizeof *held}};
+  pbf_snapshot latest = {.struct_size = sizeof latest};
+  (void)context;
+  if (!s) return;
+  fill(s, 0);
+  EXPECT_OK(pbf_set_snapshots(s, 2));
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_OK(pbf_step(s, 1));
+    if (reads) EXPECT_OK(pbf_acquire_snapshot(s, &held[k]));
+  }
+  for (int k = 0; k < 3; ++k) EXPECT_OK(pbf_step(s, 1));
+  EXPECT_OK(pbf_acquire_snapshot(s, &latest));
+  EXPECT(latest.step == (reads ? 2 : 5));
+  EXPECT_OK(pbf_release_snapshot(&latest));
+  for (int k = 0; k < 2 && reads; ++k) EXPECT_OK(pbf_release_snapshot(&held[k]));
+  EXPECT_OK(pbf_step(s, 1));
+  EXPECT_OK(pbf_acquire_snapshot(s, &latest));
+  EXPECT(latest.step == 6);
+  pbf_destroy(s);
+  EXPECT_OK(pbf_release_snapshot(&latest));
+}
+
+static void readers_of_one_rank_stop_none(void **state) {
+  (void)state;
+  run(3, 0, hold_all, NULL);
 }
 
 /* ---- Memory -------------------------------------------------------------------------------- */
@@ -522,6 +604,7 @@ int main(void) {
       cmocka_unit_test(wrong_ranks_are_told),
       cmocka_unit_test(ranks_of_older_callers_wait_while_they_exchange),
       cmocka_unit_test(staging_may_be_asked_for),
+      cmocka_unit_test(readers_of_one_rank_stop_none),
       cmocka_unit_test(ranks_that_differ_are_told_in_what),
       cmocka_unit_test(a_rank_that_is_full_ends_the_step_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),
