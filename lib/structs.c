@@ -13,6 +13,7 @@ enum { MAX_SIZE = 65536 };
   { #type, sizeof(type), THROUGH(type, last) }
 
 /* The second argument is the last member of the first release and stays so for good. */
+const pbf_struct_kind pbf_kind_ranks = KIND(pbf_ranks, shares);
 const pbf_struct_kind pbf_kind_allocator = KIND(pbf_allocator, release);
 const pbf_struct_kind pbf_kind_desc = KIND(pbf_desc, log_user);
 const pbf_struct_kind pbf_kind_params = KIND(pbf_params, search_cell_width);

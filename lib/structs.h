@@ -8,6 +8,7 @@
 #include <pbf/diffuse.h>
 #include <pbf/emit.h>
 #include <pbf/phases.h>
+#include <pbf/ranks.h>
 #include <pbf/shapes.h>
 
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
@@ -17,6 +18,7 @@ typedef struct pbf_struct_kind {
   uint32_t first_size;
 } pbf_struct_kind;
 
+extern const pbf_struct_kind pbf_kind_ranks;
 extern const pbf_struct_kind pbf_kind_allocator;
 extern const pbf_struct_kind pbf_kind_desc;
 extern const pbf_struct_kind pbf_kind_params;

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "sentence.h"
+
 struct pbf_mpi_link {
   MPI_Comm comm;
   int rank, count;
@@ -11,7 +13,7 @@ struct pbf_mpi_link {
   int lost; /* 1: an operation has not ended; none may be begun after it */
   MPI_Request *requests;
   int request_count, request_room;
-  char reason[200];
+  char reason[200 + MPI_MAX_ERROR_STRING];
 };
 
 /* A message of MPI has an int of bytes: larger ones go in parts. */
@@ -40,7 +42,7 @@ static pbf_status wait_for(pbf_mpi_link *link, int count, MPI_Request *requests)
     sched_yield();
     if (MPI_Wtime() < end) continue;
     link->lost = 1;
-    snprintf(link->reason, sizeof link->reason,
+    pbf_mpi_write(link->reason, sizeof link->reason,
              "another rank has not answered for %g s: it is gone, stands still, or makes other "
              "calls than rank %d",
              link->timeout, link->rank);
@@ -50,8 +52,15 @@ static pbf_status wait_for(pbf_mpi_link *link, int count, MPI_Request *requests)
 }
 
 static pbf_status check(pbf_mpi_link *link) {
-  int level, is_main;
+  int level, is_main, ended = 0;
   if (link->lost) return PBF_ERROR_UNAVAILABLE;
+  MPI_Finalized(&ended);
+  if (ended) {
+    link->lost = 1;
+    snprintf(link->reason, sizeof link->reason,
+             "MPI has ended; what solvers on ranks are to do comes before MPI_Finalize");
+    return PBF_ERROR_UNAVAILABLE;
+  }
   MPI_Query_thread(&level);
   MPI_Is_thread_main(&is_main);
   if (is_main || level >= MPI_THREAD_SERIALIZED) return PBF_OK;
@@ -142,6 +151,19 @@ static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_messa
 
 static const char *reason(void *user) { return ((pbf_mpi_link *)user)->reason; }
 
+/* What fails is told, and not what the caller's communicator does with errors, which is to end the
+ * program unless it was given a handler of them. */
+static int duplicate(MPI_Comm comm, MPI_Comm *copy, MPI_Request *request) {
+  MPI_Errhandler theirs;
+  int code = MPI_Comm_get_errhandler(comm, &theirs);
+  if (code != MPI_SUCCESS) return code;
+  MPI_Comm_set_errhandler(comm, MPI_ERRORS_RETURN);
+  code = MPI_Comm_idup(comm, copy, request);
+  MPI_Comm_set_errhandler(comm, theirs);
+  MPI_Errhandler_free(&theirs);
+  return code;
+}
+
 pbf_mpi_link *pbf_mpi_link_create(MPI_Comm comm, double timeout, char *why, size_t size) {
   pbf_mpi_link *link = calloc(1, sizeof *link);
   MPI_Request request;
@@ -152,7 +174,7 @@ pbf_mpi_link *pbf_mpi_link_create(MPI_Comm comm, double timeout, char *why, size
   link->timeout = timeout;
   MPI_Comm_rank(comm, &link->rank);
   MPI_Comm_size(comm, &link->count);
-  int code = MPI_Comm_idup(comm, &link->comm, &request);
+  int code = duplicate(comm, &link->comm, &request);
   pbf_status status =
       code == MPI_SUCCESS ? wait_for(link, 1, &request) : fail(link, "MPI_Comm_idup", code);
   if (status != PBF_OK) {

@@ -134,8 +134,7 @@ static pbf_status fill(pbf_solver *solver, const pbf_checked_desc *checked,
                        const pbf_params *params, const pbf_ranks *ranks) {
   const pbf_desc *desc = &checked->desc;
   memset(solver, 0, sizeof *solver);
-  if (ranks) memcpy(&solver->ranks, ranks, ranks->struct_size);
-  if (ranks) solver->ranks.struct_size = sizeof solver->ranks;
+  solver->ranks = *ranks;
   pbf_callbacks_wrap(solver, &checked->allocator, desc->log, desc->log_user);
   solver->kind = (pbf_check_kind){desc->dimension, desc->precision};
   solver->capacity = desc->capacity;
@@ -155,17 +154,9 @@ static pbf_status check_params(const pbf_params *theirs, const pbf_checked_desc 
   return pbf_params_check(params, kind, 0);
 }
 
-/* Of callers that know of no exchange in two calls, and of those that know of no staging. */
-static const uint32_t size_without_overlap = offsetof(pbf_ranks, begin_exchange);
-static const uint32_t size_without_staging = offsetof(pbf_ranks, host_staged);
-
 /* Checks all members; the sentence is about the first that is wrong. */
 static pbf_status check_ranks(const pbf_ranks *ranks) {
-  const int whole = ranks->struct_size == sizeof *ranks;
-  const int overlaps = whole || ranks->struct_size == size_without_staging;
-  if (!overlaps && ranks->struct_size != size_without_overlap)
-    return pbf_fail(PBF_ERROR_STRUCT_SIZE, "ranks->struct_size is %u; it must be %u",
-                    ranks->struct_size, (uint32_t)sizeof *ranks);
+  char number[PBF_NUMBER_SIZE];
   if (ranks->count < 1 || ranks->count > PBF_MAX_RANKS)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->count is %u; it must be 1 … %u",
                     ranks->count, PBF_MAX_RANKS);
@@ -177,11 +168,11 @@ static pbf_status check_ranks(const pbf_ranks *ranks) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->local_capacity is %u; it must be 0 … %u",
                     ranks->local_capacity, PBF_MAX_CAPACITY);
   if (!ranks->all_gather || !ranks->sum || !ranks->exchange || !ranks->reason ||
-      (overlaps && !ranks->begin_exchange != !ranks->end_exchange))
+      !ranks->begin_exchange != !ranks->end_exchange)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
                     "a function of ranks is null; all are needed but release and, both or "
                     "neither, begin_exchange and end_exchange");
-  if (whole && (ranks->host_staged > 1 || ranks->reserved))
+  if (ranks->host_staged > 1 || ranks->reserved)
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "ranks->%s is %u; it must be 0%s",
                     ranks->reserved ? "reserved" : "host_staged",
                     ranks->reserved ? ranks->reserved : ranks->host_staged,
@@ -189,17 +180,25 @@ static pbf_status check_ranks(const pbf_ranks *ranks) {
   for (uint32_t k = 0; k < ranks->count && ranks->shares; ++k)
     if (!(ranks->shares[k] > 0 && isfinite(ranks->shares[k])))
       return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                      "ranks->shares[%u] is %.9g; it must be above 0 and finite", k,
-                      ranks->shares[k]);
+                      "ranks->shares[%u] is %s; it must be above 0 and finite", k,
+                      pbf_text_number(number, ranks->shares[k]));
   return PBF_OK;
 }
 
+/* Null: there are none. */
+static pbf_status take_ranks(const pbf_ranks *theirs, pbf_ranks *ranks) {
+  memset(ranks, 0, sizeof *ranks);
+  const pbf_status status = theirs ? pbf_struct_in(&pbf_kind_ranks, theirs, ranks) : PBF_OK;
+  return status == PBF_OK && theirs ? check_ranks(ranks) : status;
+}
+
 static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_t worlds,
-                         const pbf_ranks *ranks, pbf_solver **solver) {
+                         const pbf_ranks *their_ranks, pbf_solver **solver) {
   pbf_checked_desc checked;
   pbf_params ours;
+  pbf_ranks ranks;
   void *memory;
-  pbf_status status = ranks ? check_ranks(ranks) : PBF_OK;
+  pbf_status status = take_ranks(their_ranks, &ranks);
   if (status == PBF_OK) status = pbf_lock_check();
   if (status == PBF_OK) status = pbf_desc_check(desc, &checked);
   checked.worlds = worlds;
@@ -207,7 +206,7 @@ static pbf_status create(const pbf_desc *desc, const pbf_params *params, uint32_
   if (status == PBF_OK)
     status = pbf_memory_allocate(&checked.allocator, sizeof(pbf_solver), "a solver", &memory);
   if (status != PBF_OK) return status;
-  status = fill(memory, &checked, &ours, ranks);
+  status = fill(memory, &checked, &ours, &ranks);
   if (status != PBF_OK) {
     pbf_memory_free(&checked.allocator, memory, sizeof(pbf_solver));
     return status;

@@ -74,9 +74,30 @@ static void refuse(const pbf_ranks *ranks, void *context) {
   pbf_destroy(s);
 }
 
+/* Of newer callers, whose struct is longer: what is not known has to be 0. */
+static void join_by_a_longer_struct(const pbf_ranks *ranks, void *context) {
+  const pbf_params params = params_of();
+  const pbf_desc desc = desc_of();
+  struct {
+    pbf_ranks ranks;
+    char more[24];
+  } newer;
+  pbf_solver *s = NULL;
+  (void)context;
+  memset(&newer, 0, sizeof newer);
+  newer.ranks = *ranks;
+  newer.ranks.struct_size = sizeof newer;
+  EXPECT_OK(pbf_create_on_ranks(&desc, &params, &newer.ranks, &s));
+  pbf_destroy(s);
+  newer.more[5] = 3;
+  EXPECT_FAILS(pbf_create_on_ranks(&desc, &params, &newer.ranks, &s), PBF_ERROR_STRUCT_SIZE,
+               "this library knows the first");
+}
+
 static void what_ranks_do_not_have_is_refused(void **state) {
   (void)state;
   run(2, 0, refuse, NULL);
+  run(2, 0, join_by_a_longer_struct, NULL);
 }
 
 static void wrong_ranks_are_told(void **state) {
@@ -97,7 +118,7 @@ static void wrong_ranks_are_told(void **state) {
                "ranks->count is 0");
   ranks.struct_size = 4;
   assert_fails(pbf_create_on_ranks(&desc, &params, &ranks, &s), PBF_ERROR_STRUCT_SIZE,
-               "ranks->struct_size is 4");
+               "pbf_ranks.struct_size is 4");
 }
 
 /* A caller that knows of no exchange in two calls, and one that has half of it. */
