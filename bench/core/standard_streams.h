@@ -16,13 +16,13 @@
 namespace bench {
 
 // Before anything else. The file that is opened next would get the number of one that is closed,
-// and what is then printed; and a reader that goes away, or a file as large as it may become, is an
-// error like others. How programs end that this one starts is not told where SIGCHLD is ignored, as
-// it may be in what has started this one.
+// and what is then printed: in its place is one that can't be written to. And a reader that goes
+// away, or a file as large as it may become, is an error like others. How programs end that this
+// one starts is not told where SIGCHLD is ignored, as it may be in what has started this one.
 inline void prepare_standard_streams() {
 #ifdef F_GETFD
   for (int number = 0; number < 3; ++number)
-    if (fcntl(number, F_GETFD) < 0 && open("/dev/null", O_RDWR) != number) break;
+    if (fcntl(number, F_GETFD) < 0 && open("/dev/null", O_RDONLY) != number) break;
 #endif
 #ifdef SIGPIPE
   std::signal(SIGPIPE, SIG_IGN);

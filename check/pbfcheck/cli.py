@@ -9,6 +9,7 @@ from .fault import DumpFault, UsageFault
 from .judge import ERRORS, VALIDATIONS, errors_of, validation_of
 from .order import order_of
 from .stability.command import judge_folder
+from .streams import LostOutput, show, tell
 
 EXIT_OK = 0
 EXIT_BEYOND_BOUND = 1
@@ -16,7 +17,8 @@ EXIT_USAGE = 2
 EXIT_BAD_DUMP = 3
 
 EXIT_CODES = ("exit codes: 0 judged, every bound holds; 1 a bound or bar does not hold, or a validation "
-              "could not be judged; 2 wrong usage; 3 a dump or report is missing or malformed")
+              "could not be judged; 2 wrong usage, or output that can't be written; 3 a dump or report is missing or "
+              "malformed")
 
 
 def _common(parser):
@@ -29,7 +31,7 @@ def _common(parser):
 
 
 def build_parser():
-    parser = argparse.ArgumentParser(prog="pbf-check", description=__doc__, epilog=EXIT_CODES)
+    parser = Parser(prog="pbf-check", description=__doc__, epilog=EXIT_CODES)
     commands = parser.add_subparsers(dest="command", required=True)
 
     errors = commands.add_parser("errors", help="E1 to E9 of one dump, and whether its particles are all there", epilog=EXIT_CODES)
@@ -95,7 +97,7 @@ def _keys(args):
 
 def _write(text, path):
     if path == "-":
-        sys.stdout.write(text)
+        show(text)
         return
     try:
         with open(path, "w", encoding="utf-8") as file:
@@ -121,7 +123,7 @@ def _judge(args):
     if args.json:
         _write(report.to_json(result), args.json)
     if args.json != "-":
-        sys.stdout.write(report.to_table(result))
+        show(report.to_table(result))
     failed = failed or not all(bound["holds"] for bound in result["bounds"])
     return EXIT_BEYOND_BOUND if failed else EXIT_OK
 
@@ -132,9 +134,9 @@ def _order(args):
         _write(report.to_json({"tool": "pbf-check", "errors": {"E10": result}}), args.json)
     if args.json != "-":
         for p, e in zip(result["parameters"], result["errors"]):
-            sys.stdout.write(f"{args.by} {p:.6g}   {args.error} {e:.6g}\n")
+            show(f"{args.by} {p:.6g}   {args.error} {e:.6g}\n")
         monotone = "falls monotonically" if result["monotone"] else "does NOT fall monotonically"
-        sys.stdout.write(f"E10  slope {result['slope']:.3f}; the error {monotone}\n")
+        show(f"E10  slope {result['slope']:.3f}; the error {monotone}\n")
     return EXIT_OK
 
 
@@ -143,21 +145,33 @@ def _stability(args):
     if args.json:
         _write(text, args.json)
     if args.json != "-" and not args.silent:
-        sys.stdout.write(table)
+        show(table)
     return EXIT_OK if good else EXIT_BEYOND_BOUND
 
 
 COMMANDS = {"order": _order, "stability": _stability}
 
 
+def _end(code, fault):
+    if str(fault):
+        tell(f"pbf-check: {fault}\n")
+    return code
+
+
+class Parser(argparse.ArgumentParser):
+    """Prints as the program does."""
+
+    def _print_message(self, message, file=None):
+        if message:
+            (show if file is sys.stdout else tell)(message)
+
+
 def main(arguments):
-    args = build_parser().parse_args(arguments)
     try:
+        args = build_parser().parse_args(arguments)
         _check_numbers(args)
         return COMMANDS.get(args.command, _judge)(args)
-    except UsageFault as fault:
-        sys.stderr.write(f"pbf-check: {fault}\n")
-        return EXIT_USAGE
+    except (UsageFault, LostOutput) as fault:
+        return _end(EXIT_USAGE, fault)
     except DumpFault as fault:
-        sys.stderr.write(f"pbf-check: {fault}\n")
-        return EXIT_BAD_DUMP
+        return _end(EXIT_BAD_DUMP, fault)

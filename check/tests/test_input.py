@@ -132,6 +132,22 @@ class Usage(DumpTest):
         self.assertEqual((run.returncode, run.stderr), (0, ""))
         self.assertIn("rest spacing 1 ", run.stdout)
 
+    def test_lost_output(self):
+        """Is no bound that does not hold: all exit by 2, and say why unless a reader has read enough."""
+        folder = self.dump({0: lattice(5, 5)}, manifest(2))
+        judge = f"{sys.executable} {SCRIPT} errors {folder} --only state"
+        for command in (judge, judge + " --json -", f"{sys.executable} {SCRIPT} --help"):
+            for where, words in (("> /dev/full", "No space left"), (">&-", "Bad file descriptor")):
+                run = subprocess.run(["bash", "-c", f"{command} {where}"], capture_output=True, text=True, check=False)
+                self.assertEqual(run.returncode, 2, (command, where, run.stderr))
+                self.assertRegex(run.stderr, rf"\Apbf-check: the standard output can't be written: {words}.*\n\Z")
+            piped = f"( sleep 1; {command}; echo $? >&2 ) | true"
+            run = subprocess.run(["bash", "-c", piped], capture_output=True, text=True, check=False)
+            self.assertEqual(run.stderr, "2\n", command)
+        for where in ("2>&-", "2>/dev/full", ">&- 2>&-"):
+            run = subprocess.run(["bash", "-c", f"{judge} --steps some {where}"], capture_output=True, check=False)
+            self.assertEqual(run.returncode, 2, where)
+
     def test_float32_dump(self):
         folder = self.dump({0: lattice(12, 12, spacing=0.1)}, manifest(
             2, spacing=0.1, smoothing_radius=0.2), np.float32)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import _errors, export
+from ._streams import LostOutput, Parser, show, tell
 from .dump import Dump, DumpFrame, load_dump
 
 _SERIES = {".pvd": export.VtkSeries, ".abc": export.AlembicPoints, ".usd": export.UsdPoints,
@@ -51,7 +52,7 @@ def _series(frames: Dump, to: pathlib.Path, fps: float) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m pbf", description=__doc__,
+    parser = Parser(prog="python -m pbf", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     one = commands.add_parser("export", help="files for other programs")
@@ -59,16 +60,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     one.add_argument("to", type=pathlib.Path, help="the file; its ending says of which kind")
     one.add_argument("--fps", type=float, default=30, help="frames a second, of USD and Alembic: 30")
     one.add_argument("--surface", action="store_true", help="a mesh in place of the particles")
-    given = parser.parse_args(arguments)
     try:
+        given = parser.parse_args(arguments)
         frames = load_dump(given.folder)
         as_series = given.to.suffix in _SERIES and not given.surface
         count = (_series(frames, given.to, given.fps) if as_series
                  else _one_a_frame(frames, given.to, given.surface))
-    except (_errors.Error, _errors.MissingExtraError, OSError) as error:
-        print(f"pbf: {error}", file=sys.stderr)
+        show(f"{count} frames: {given.to}\n")
+    except (_errors.Error, _errors.MissingExtraError, OSError, LostOutput) as error:
+        if str(error):
+            tell(f"pbf: {error}\n")
         return 1
-    print(f"{count} frames: {given.to}")
     return 0
 
 

@@ -1,5 +1,8 @@
 """What `pbf-bench run --dump` writes, read and taken to other programs."""
 import json
+import re
+import subprocess
+import sys
 import xml.etree.ElementTree as xml
 
 import numpy as np
@@ -109,3 +112,15 @@ def test_a_dump_without_end(tmp_path):
     (tmp_path / "dump.json").symlink_to("/dev/zero")
     with pytest.raises(pbf.DataError, match="dump.json has more than 16777216 bytes"):
         pbf.load_dump(tmp_path)
+
+
+def test_output_that_is_lost_is_told(folder, tmp_path):
+    export = f"{sys.executable} -m pbf export {folder} {tmp_path / 'water.ply'}"
+    for command in (export, f"{sys.executable} -m pbf --help"):
+        for where, words in (("> /dev/full", "No space left"), (">&-", "Bad file descriptor")):
+            run = subprocess.run(["bash", "-c", f"{command} {where}"], capture_output=True, text=True, check=False)
+            assert run.returncode == 1
+            assert re.fullmatch(rf"pbf: the standard output can't be written: {words}.*\n", run.stderr)
+        run = subprocess.run(["bash", "-c", f"( sleep 1; {command}; echo $? >&2 ) | true"], capture_output=True,
+                             text=True, check=False)
+        assert run.stderr == "1\n"

@@ -231,6 +231,10 @@ void output_that_is_lost_exits_with_1(void **) {
   const int full = std::system((program + "list >/dev/full" + told).c_str());
   assert_int_equal(WEXITSTATUS(full), 1);
   expect_contains(read_text(errors), "the standard output can't be written: No space left");
+  const int closed = std::system((program + "list >&-" + told).c_str());
+  assert_int_equal(WEXITSTATUS(closed), 1);
+  expect_contains(read_text(errors), "the standard output can't be written: Bad file");
+  assert_int_equal(WEXITSTATUS(std::system((program + "list >/dev/null 2>&-").c_str())), 0);
   const int gone =
       std::system(("( " + program + "list; echo $? >'" + errors + "' ) | true").c_str());
   assert_int_equal(WEXITSTATUS(gone), 0);
