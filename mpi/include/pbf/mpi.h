@@ -33,7 +33,8 @@ PBF_API pbf_status pbf_mpi_options_init(pbf_mpi_options *options, uint32_t struc
 /* pbf_create on all ranks of `comm`, each of which calls it with the same description and
  * parameters; `options` null: the defaults. A null desc->backend, or "auto", is "serial" here, and
  * one by name is strict. It succeeds on all ranks or fails on all, which are then told of the first
- * that could not, or in what ranks differ. The communicator is duplicated.
+ * that could not, or in what ranks differ. The communicator is duplicated;
+ * MPI_COMM_NULL, and one between two groups, are refused.
  *
  * When a rank is gone, or stands still, each call that needs it returns PBF_ERROR_UNAVAILABLE after
  * the timeout, with a sentence. MPI is then in no state to go on: MPI_Abort ends the program; a
