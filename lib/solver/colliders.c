@@ -18,6 +18,7 @@
 #include "prestabilize.h"
 #include "solver_time.h"
 #include "structs.h"
+#include "text.h"
 
 /* A label is written for what is refused alone: it takes as long as a check. */
 static pbf_status check_one(const pbf_solver *solver, const char *name, uint32_t index,
@@ -358,13 +359,15 @@ static pbf_status aim(const pbf_solver *solver, uint32_t count, double duration,
 
 static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf_collider *targets,
                              double duration) {
+  char number[PBF_NUMBER_SIZE];
   if (count != solver->collider_count) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; the solver has %u colliders", count,
                     solver->collider_count);
   }
   if (!(duration > 0 && isfinite(duration))) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "duration is %.9g; it must be a time above 0, and finite", duration);
+                    "duration is %s; it must be a time above 0, and finite",
+                    pbf_text_number(number, duration));
   }
   return check_array(solver, count, targets);
 }

@@ -1,5 +1,8 @@
 /* Sentences are one line of UTF-8, whatever is quoted in them and wherever they are cut. */
+#include <math.h>
 #include <stdio.h>
+
+#include <pbf/ranks.h>
 
 #include "support.h"
 
@@ -76,10 +79,57 @@ static void what_is_cut_ends_with_a_character(void **state) {
   }
 }
 
+static pbf_status gather(void *user, const void *mine, void *all, uint64_t bytes) {
+  (void)user, (void)mine, (void)all, (void)bytes;
+  return PBF_OK;
+}
+
+static pbf_status sum(void *user, uint32_t *values, uint64_t count) {
+  (void)user, (void)values, (void)count;
+  return PBF_OK;
+}
+
+static pbf_status exchange(void *user, uint32_t send_count, const pbf_rank_message *sends,
+                           uint32_t receive_count, const pbf_rank_message *receives) {
+  (void)user, (void)send_count, (void)sends, (void)receive_count, (void)receives;
+  return PBF_OK;
+}
+
+static const char *reason(void *user) {
+  (void)user;
+  return "";
+}
+
+/* Whatever its sign, which C libraries write, too. */
+static void what_is_no_number_is_nan(void **state) {
+  (void)state;
+  const pbf_desc desc = test_desc(3, PBF_FLOAT32, 8);
+  const double signs[2] = {NAN, -NAN};
+  pbf_solver *solver = test_create(&desc, NULL), *other = NULL;
+  pbf_collider ball;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  assert_ok(pbf_set_colliders(solver, 1, &ball));
+  for (int k = 0; k < 2; ++k) {
+    const pbf_ranks ranks = {.struct_size = sizeof ranks,
+                             .count = 1,
+                             .all_gather = gather,
+                             .sum = sum,
+                             .exchange = exchange,
+                             .reason = reason,
+                             .shares = &signs[k]};
+    assert_fails(pbf_move_colliders(solver, 1, &ball, signs[k]), PBF_ERROR_INVALID_ARGUMENT,
+                 "duration is NaN; it must be a time above 0");
+    assert_fails(pbf_create_on_ranks(&desc, NULL, &ranks, &other), PBF_ERROR_INVALID_ARGUMENT,
+                 "ranks->shares[0] is NaN; it must be above 0");
+  }
+  pbf_destroy(solver);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_quoted_is_one_line),
       cmocka_unit_test(what_is_cut_ends_with_a_character),
+      cmocka_unit_test(what_is_no_number_is_nan),
   };
   return TEST_RUN(tests);
 }
