@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "core/error.h"
+
 #if __has_include(<sys/wait.h>)
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -55,7 +57,7 @@ std::string outcome_of(const std::function<std::string()> &work) {
   try {
     return done + work();
   } catch (const std::exception &error) {
-    return failed + std::string(error.what());
+    return failed + bench::sentence_of(error);
   }
 }
 

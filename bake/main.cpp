@@ -87,6 +87,18 @@ double cell_of(const bake::Mesh &mesh, const Options &options) {
   return longest / options.cells;
 }
 
+// As of a survey in metres, whose origin is far away: corners would lie in other places.
+void check_resolution(const bake::Mesh &mesh, const Options &options, double cell) {
+  const double step = mesh.step * options.scale;
+  if (!(step > cell / 4)) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                " reaches so far from the origin that its numbers are read %g apart, and cells are "
+                "%g; move it to the origin, or take larger cells",
+                step, cell);
+  throw std::runtime_error(options.mesh + text);
+}
+
 Shape bake_mesh(const bake::Mesh &mesh, const Options &options, double cell) {
   pbf_shape *shape = nullptr;
   pbf_mesh_desc desc = {};
@@ -158,6 +170,7 @@ void bake_file(const Options &options) {
   bake::Mesh mesh = bake::read_mesh(options.mesh);
   place(mesh, options);
   const double cell = cell_of(mesh, options);
+  check_resolution(mesh, options, cell);
   const Shape shape =
       options.hull ? bake_hull(mesh, options, cell) : bake_mesh(mesh, options, cell);
   write(shape.get(), options.out);
@@ -223,7 +236,7 @@ int run_command(CLI::App &app, const Options &options, int argc, char **argv) {
   } catch (const CLI::ParseError &error) {
     return app.exit(error) == 0 ? 0 : exit_usage;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-bake: %s\n", bench::one_line(error.what()).c_str());
+    std::fprintf(stderr, "pbf-bake: %s\n", bench::one_line(bench::sentence_of(error)).c_str());
     return exit_failure;
   }
 }

@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "apart.h"
+#include "core/error.h"
 
 namespace bake {
 namespace {
@@ -59,6 +63,12 @@ void add_mesh(const aiMesh &from, Mesh &mesh) {
   for (unsigned i = 0; i < from.mNumFaces; ++i) add_face(from, from.mFaces[i], first, mesh);
 }
 
+// Assimp has what was thrown in its own code as a text.
+[[noreturn]] void fail(const std::string &reason) {
+  if (reason == std::bad_alloc().what()) throw std::bad_alloc();
+  throw std::runtime_error(reason);
+}
+
 // Of Assimp. Its readers crash, or do not end, with some damaged files.
 Mesh read_here(const std::string &path) {
   Assimp::Importer importer;
@@ -73,7 +83,7 @@ Mesh read_here(const std::string &path) {
   for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_faces(*scene->mMeshes[i]);
   if (scene)
     scene = importer.ApplyPostProcessing(aiProcess_PreTransformVertices | aiProcess_Triangulate);
-  if (!scene) throw std::runtime_error(importer.GetErrorString());
+  if (!scene) fail(importer.GetErrorString());
   Mesh mesh;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) add_mesh(*scene->mMeshes[i], mesh);
   return mesh;
@@ -130,6 +140,14 @@ unsigned seconds_for(uintmax_t bytes) { return 30 + static_cast<unsigned>(bytes 
 
 }  // namespace
 
+// In the precision that Assimp was built with; 0 for what the library refuses.
+static double step_of(const std::vector<double> &vertices) {
+  double farthest = 0;
+  for (const double x : vertices) farthest = std::max(farthest, std::abs(x));
+  const double step = double{std::numeric_limits<ai_real>::epsilon()};
+  return farthest > 0 && farthest < 1e30 ? std::ldexp(step, std::ilogb(farthest)) : 0;
+}
+
 Mesh read_mesh(const std::string &path) {
   std::error_code failed;
   if (std::filesystem::is_directory(path, failed))
@@ -143,9 +161,10 @@ Mesh read_mesh(const std::string &path) {
   try {
     mesh = mesh_of(run_apart([&path] { return bytes_of(read_here(path)); }, seconds_for(size)));
   } catch (const std::exception &error) {
-    throw std::runtime_error(path + " can't be read: " + error.what());
+    throw std::runtime_error(path + " can't be read: " + bench::sentence_of(error));
   }
   if (mesh.faces.empty()) throw std::runtime_error(path + " has no triangles");
+  mesh.step = step_of(mesh.vertices);
   return mesh;
 }
 

@@ -12,6 +12,7 @@ struct Mesh {
   std::vector<double> vertices;  // three numbers each
   std::vector<uint32_t> faces;   // three vertices each
   uint32_t collapsed = 0;        // triangles with two corners in one place, which are left out
+  double step = 0;  // its numbers have been read so far apart
 };
 
 // What Assimp reads: OBJ, STL, PLY, glTF, FBX and others. All meshes of the file where its scene puts

@@ -43,7 +43,7 @@ int run_command(CLI::App &app, int argc, char **argv) {
     std::fprintf(stderr, "pbf-bench: %s\n", one_line(error.what()).c_str());
     return error.code;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-bench: %s\n", one_line(error.what()).c_str());
+    std::fprintf(stderr, "pbf-bench: %s\n", one_line(sentence_of(error)).c_str());
     return exit_failure;
   }
 }

@@ -101,10 +101,10 @@ int main(int argc, char **argv) {
       run_window(options);
     return bench::exit_ok;
   } catch (const bench::Error &error) {
-    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(error.what()).c_str());
+    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(bench::sentence_of(error)).c_str());
     return error.code;
   } catch (const std::exception &error) {
-    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(error.what()).c_str());
+    std::fprintf(stderr, "pbf-view: %s\n", bench::one_line(bench::sentence_of(error)).c_str());
     return bench::exit_failure;
   }
 }

@@ -73,7 +73,7 @@ bool answer_with(int to, const std::function<Value()> &work) {
   } catch (const Error &error) {
     answer(to, error.code, error.what());
   } catch (const std::exception &error) {
-    answer(to, exit_failure, error.what());
+    answer(to, exit_failure, sentence_of(error));
   }
   return false;
 }

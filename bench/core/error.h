@@ -2,6 +2,7 @@
 #ifndef PBF_BENCH_ERROR_H
 #define PBF_BENCH_ERROR_H
 
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +22,13 @@ inline std::string one_line(std::string text) {
   for (char &byte : text)
     if ((byte >= 0 && byte < ' ') || byte == 0x7f) byte = '?';
   return text;
+}
+
+// What went wrong: of memory the C++ library has the name of a type.
+inline std::string sentence_of(const std::exception &error) {
+  const bool is_memory = dynamic_cast<const std::bad_alloc *>(&error) != nullptr ||
+                         dynamic_cast<const std::length_error *>(&error) != nullptr;
+  return is_memory ? "there is no memory for what it holds" : error.what();
 }
 
 class Error : public std::runtime_error {

@@ -25,11 +25,13 @@ CLI::Validator number_that(Holds holds, const std::string &words) {
 }
 
 inline CLI::Validator above_zero() {
-  return number_that([](double x) { return x > 0 && x < largest_number; }, "above 0");
+  return number_that([](double x) { return x > 0 && x < largest_number; },
+                     "above 0 and below 1e30");
 }
 
 inline CLI::Validator at_least_zero() {
-  return number_that([](double x) { return x >= 0 && x < largest_number; }, "of at least 0");
+  return number_that([](double x) { return x >= 0 && x < largest_number; },
+                     "of at least 0 and below 1e30");
 }
 
 inline CLI::Validator times_as_fine() {

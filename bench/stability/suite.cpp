@@ -99,7 +99,7 @@ void run_alone(const SuiteOptions &options) {
   try {
     entry.run(record);
   } catch (const std::exception &error) {
-    record.note("failed", error.what());
+    record.note("failed", sentence_of(error));
   }
   record.finish();
 }

@@ -205,6 +205,8 @@ def damaged_meshes_are_told():
     refused("none.ply can't be read", "none.ply", "x.pbfshape", "--cell", 0.1)
     (WORK / "most.ply").write_bytes(raw_ply(4294967295, 1, "uchar", b"0 0 0\n"))
     refused("most.ply can't be read", "most.ply", "x.pbfshape", "--cell", 0.1)
+    (WORK / "more.ply").write_bytes(raw_ply(8000000000, 1, "uchar", b"0 0 0\n"))
+    refused("there is no memory", "more.ply", "x.pbfshape", "--cell", 0.1)
     round_ = "".join(f"v {math.cos(i / 3200)} {math.sin(i / 3200)} 0\n" for i in range(20001))
     (WORK / "corners.obj").write_text(round_ + "f " + " ".join(map(str, range(1, 20002))) + "\n")
     refused("has 20001 corners", "corners.obj", "x.pbfshape", "--cell", 0.1)
@@ -217,6 +219,21 @@ def damaged_meshes_are_told():
     done = subprocess.run([str(BAKE), "endless.ply", "x.pbfshape", "--cell", "1"], capture_output=True, text=True, check=False,
                           cwd=WORK, preexec_fn=little_time)
     check(f"no end is told: {done.stderr!r}", done.returncode == 1 and "endless.ply can't be read" in done.stderr)
+
+
+def far_meshes_are_right_or_refused():
+    """A house on a map: corners that the reader's numbers can't tell from others made one of half as much again."""
+    def house(side):
+        half = (side / 2,) * 3
+        vertices, faces = box(half)
+        return [[v[0] + 448262.3, v[1] + 520.1, v[2] + 5411932.7] for v in vertices], faces
+    write_obj("house.obj", *house(1.3))
+    refused("its numbers are read 0.5 apart, and cells are 0.1", "house.obj", "x.pbfshape", "--cell", 0.1)
+    refused("are read 0.005 apart", "house.obj", "x.pbfshape", "--cell", 0.001, "--scale", 0.01)
+    write_obj("hill.obj", *house(640))
+    done = bake("hill.obj", "hill.pbfshape", "--cell", 16)
+    volume = float(done.stdout.split("volume")[1].split()[0].rstrip(","))
+    check(f"a hill has its volume: {volume}", abs(volume / 640**3 - 1) < 0.02)
 
 
 def files_of_holes_are_not_read():
@@ -350,6 +367,7 @@ open_meshes_are_shells()
 collapsed_triangles_are_left_out()
 what_is_no_solid_is_refused()
 damaged_meshes_are_told()
+far_meshes_are_right_or_refused()
 files_of_holes_are_not_read()
 none_reads_on_for_a_program_that_was_killed()
 what_is_no_file_is_told()

@@ -40,6 +40,7 @@ void wrong_command_lines_exit_with_2(void **) {
       {"run --scene dam-break-2d --backend reference --dump ''", "--dump: its value is empty"},
       {"--plugin '' list", "--plugin: its value is empty"},
       {"pareto --patience nan", "nan is not a number above 0"},
+      {"pareto --patience 1e300", "1e300 is not a number above 0 and below 1e30"},
       {"speedup --backends serial,serial", "stands twice"},
   };
   for (const auto &[arguments, words] : wrong) {
