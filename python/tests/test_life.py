@@ -113,8 +113,10 @@ def test_fork():
     """Both processes go on with the same bits."""
     hashes = run(f"""
         import os
+        import warnings
         fluid = pbf.Solver({BOX}, backend="{BACKEND}", threads=2)
         fluid.step(5)
+        warnings.filterwarnings("ignore", "This process", DeprecationWarning)  # of threads, from Python 3.12 on
         child = os.fork()
         fluid.step(5)
         os.write(1, b"%d\\n" % fluid.hash)  # at once: two processes write
