@@ -8,6 +8,7 @@
 
 #include <pbf/ranks.h>
 
+#include "common/collider_digest.h"
 #include "common/digest.h"
 #include "common/fp_environment.h"
 #include "common/number.h"
@@ -266,8 +267,7 @@ static inline bool agree_on_call(solver *s, const char *call, const void *argume
   mine.room = digest(DIGEST_OF_NOTHING, room, sizeof room);
   mine.kind = kind_digest(s);
   mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
-  mine.colliders =
-      digest(DIGEST_OF_NOTHING, s->table.list, s->collider_count * sizeof *s->table.list);
+  mine.colliders = digest_of_colliders(s->collider_count, s->table.list);
   mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
   mine.particles = s->ranks.particles;
   mine.settings = s->ranks.settings;

@@ -8,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "common/collider_digest.h"
 #include "common/digest.h"
 #include "common/number.h"
 #include "cuda/arrays.h"
@@ -45,8 +46,7 @@ static inline rank_call rank_call_of(const solver *s, const char *call, const vo
   mine.kind = digest(DIGEST_OF_NOTHING, kind, sizeof kind);
   mine.kind = digest(mine.kind, s->ranks.portions, s->ranks.count * sizeof(double));
   mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
-  mine.colliders =
-      digest(DIGEST_OF_NOTHING, s->colliders, s->collider_count * sizeof *s->colliders);
+  mine.colliders = digest_of_colliders(s->collider_count, s->colliders);
   mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
   mine.particles = s->ranks.particles;
   mine.settings = s->ranks.settings;

@@ -149,6 +149,7 @@ struct pbf_shape {
   double
       steepest; /* the interpolated distance changes by no more than so many times the way, >= 1 */
   const float *values;
+  uint64_t hash; /* pbf_shape_info.hash: the same in other processes */
 };
 
 /* What pbf_backend_api.describe reports; pbf_info and pbf_plan without what the host knows. */

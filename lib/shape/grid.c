@@ -212,7 +212,7 @@ pbf_status pbf_shape_finish(pbf_live_shape *made, const char *label, pbf_shape *
     return status;
   }
   measure(&made->shape);
-  made->hash = hash_of(&made->shape);
+  made->shape.hash = hash_of(&made->shape);
   *shape = pbf_shape_publish(made);
   return PBF_OK;
 }

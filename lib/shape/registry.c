@@ -56,13 +56,13 @@ pbf_status pbf_shape_hold(pbf_shape *shape, const char *label) {
 pbf_shape *pbf_shape_hold_by_hash(uint64_t hash) {
   pbf_lock_take(PBF_LOCK_SHAPES);
   pbf_live_shape *found = live;
-  while (found && (uintptr_t)found->hash != (uintptr_t)hash) found = found->next;
+  while (found && (uintptr_t)found->shape.hash != (uintptr_t)hash) found = found->next;
   if (found) ++found->references;
   pbf_lock_release(PBF_LOCK_SHAPES);
   return found ? &found->shape : NULL;
 }
 
-uint64_t pbf_shape_hash(const pbf_shape *shape) { return ((const pbf_live_shape *)shape)->hash; }
+uint64_t pbf_shape_hash(const pbf_shape *shape) { return shape->hash; }
 
 void pbf_shape_let_go(pbf_shape *shape) {
   pbf_lock_take(PBF_LOCK_SHAPES);
@@ -91,7 +91,7 @@ static pbf_shape_info info_of(const pbf_live_shape *of) {
                          .volume = shape->volume,
                          .area = shape->area,
                          .bytes = of->bytes,
-                         .hash = of->hash};
+                         .hash = shape->hash};
   memcpy(info.nodes, shape->nodes, sizeof info.nodes);
   memcpy(info.origin, shape->origin, sizeof info.origin);
   memcpy(info.lower, shape->lower, sizeof info.lower);

@@ -11,7 +11,6 @@ typedef struct pbf_live_shape {
   pbf_shape shape; /* the handle: what backends see */
   struct pbf_live_shape *next;
   uint32_t references;
-  uint64_t hash;
   uint64_t bytes;
   float values[];
 } pbf_live_shape;

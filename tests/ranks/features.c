@@ -1,7 +1,11 @@
 /* Ranks give the bits of one solver where sums go over all of the fluid, where particles differ,
  * and where neighbours are across the domain: pressure grids, loads and friction, phases, periodic
  * axes. */
+#include <math.h>
+#include <stdlib.h>
+
 #include <pbf/phases.h>
+#include <pbf/shapes.h>
 
 #include "scenes.h"
 
@@ -121,6 +125,78 @@ static void loads_are_the_same(void **state) {
 static void so_is_friction(void **state) {
   (void)state;
   test_for_long_kinds(check_friction);
+}
+
+/* ---- Shapes -------------------------------------------------------------------------------- */
+
+/* A ball. Each rank makes one of its own, as processes do. */
+static pbf_shape *make_ball(uint32_t dimension, double radius) {
+  enum { NODES = 17 };
+  static const double cell = 0.04;
+  float *values = calloc((size_t)NODES * NODES * NODES, sizeof *values);
+  pbf_grid_desc grid = {.struct_size = sizeof grid, .dimension = dimension, .cell = cell};
+  pbf_shape *shape = NULL;
+  if (!EXPECT(values)) return NULL;
+  const int deep = dimension == 3 ? NODES : 1;
+  for (int k = 0; k < NODES * NODES * deep; ++k) {
+    const int at[3] = {k % NODES, k / NODES % NODES, k / NODES / NODES};
+    double squares = 0;
+    for (uint32_t i = 0; i < dimension; ++i)
+      squares += pow(cell * (at[i] - NODES / 2), 2); /* NODES / 2 is the middle one */
+    values[k] = (float)(sqrt(squares) - radius);
+  }
+  for (uint32_t i = 0; i < dimension; ++i) {
+    grid.nodes[i] = NODES;
+    grid.origin[i] = -cell * (NODES / 2);
+  }
+  grid.values = values;
+  EXPECT_OK(pbf_shape_from_grid(&grid, &shape));
+  free(values);
+  return shape;
+}
+
+static void set_ball(pbf_solver *s, uint32_t dimension, double radius) {
+  pbf_collider ball;
+  EXPECT_OK(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SHAPE));
+  ball.geometry = make_ball(dimension, radius);
+  for (int k = 0; k < 3; ++k) ball.position[k] = 0.3;
+  ball.velocity[0] = 0.5;
+  EXPECT_OK(pbf_set_colliders(s, 1, &ball));
+  pbf_release_shape(ball.geometry);
+}
+
+static void set_shape(const scene *c, pbf_solver *s) { set_ball(s, c->dimension, 0.2); }
+
+static void check_shapes(uint32_t dimension, uint32_t precision) {
+  scene c = scene_plain(dimension, precision);
+  c.set_up = set_shape;
+  c.params.loads = 1;
+  scene_check("a shape", &c);
+}
+
+/* Ranks of which one has a ball that is a little larger are told. */
+static void have_other_shapes(const pbf_ranks *ranks, void *context) {
+  const scene *c = context;
+  pbf_desc desc = test_desc(c->dimension, c->precision, c->count);
+  pbf_solver *s = NULL;
+  desc.allocator = NULL;
+  EXPECT_OK(pbf_create_on_ranks(&desc, &c->params, ranks, &s));
+  set_ball(s, c->dimension, ranks->rank == 1 ? 0.201 : 0.2);
+  const float x[3] = {0.5f, 0.5f, 0.5f};
+  EXPECT_FAILS(pbf_add_particles(s, 1, x, NULL, NULL), PBF_ERROR_INVALID_ARGUMENT,
+               "ranks 0 and 1 differ in the colliders");
+  set_ball(s, c->dimension, 0.2);
+  EXPECT_OK(pbf_add_particles(s, 1, x, NULL, NULL));
+  EXPECT_OK(pbf_step(s, 1));
+  pbf_destroy(s);
+}
+
+static void so_are_shapes(void **state) {
+  (void)state;
+  test_for_long_kinds(check_shapes);
+  scene c = scene_plain(3, PBF_FLOAT32);
+  thread_ranks_run(2, 0, NULL, NULL, have_other_shapes, &c);
+  assert_int_equal(ranks_failures(), 0);
 }
 
 /* ---- Phases -------------------------------------------------------------------------------- */
@@ -325,6 +401,7 @@ int main(void) {
       cmocka_unit_test(so_is_deep_water),
       cmocka_unit_test(loads_are_the_same),
       cmocka_unit_test(so_is_friction),
+      cmocka_unit_test(so_are_shapes),
       cmocka_unit_test(so_are_phases),
       cmocka_unit_test(so_are_fluids_that_are_not_there),
       cmocka_unit_test(so_are_periodic_axes),
