@@ -9,43 +9,43 @@
 enum { MAX_SIZE = 65536 };
 
 #define THROUGH(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
-#define KIND(type, last) \
-  { #type, sizeof(type), THROUGH(type, last) }
+#define KIND(type, argument, last) \
+  { #type, argument, sizeof(type), THROUGH(type, last) }
 
 /* The second argument is the last member of the first release and stays so for good. */
-const pbf_struct_kind pbf_kind_ranks = KIND(pbf_ranks, shares);
-const pbf_struct_kind pbf_kind_allocator = KIND(pbf_allocator, release);
-const pbf_struct_kind pbf_kind_desc = KIND(pbf_desc, log_user);
-const pbf_struct_kind pbf_kind_params = KIND(pbf_params, search_cell_width);
-const pbf_struct_kind pbf_kind_collider = KIND(pbf_collider, half_length);
-const pbf_struct_kind pbf_kind_grid_desc = KIND(pbf_grid_desc, values);
-const pbf_struct_kind pbf_kind_mesh_desc = KIND(pbf_mesh_desc, thickness);
-const pbf_struct_kind pbf_kind_heights_desc = KIND(pbf_heights_desc, cell);
-const pbf_struct_kind pbf_kind_hull_desc = KIND(pbf_hull_desc, cell);
-const pbf_struct_kind pbf_kind_shape_info = KIND(pbf_shape_info, hash);
-const pbf_struct_kind pbf_kind_collider_load = KIND(pbf_collider_load, wetted_area);
-const pbf_struct_kind pbf_kind_view = KIND(pbf_view, ids);
-const pbf_struct_kind pbf_kind_read_desc = KIND(pbf_read_desc, w_value);
-const pbf_struct_kind pbf_kind_write_desc = KIND(pbf_write_desc, stream);
-const pbf_struct_kind pbf_kind_anisotropy_desc = KIND(pbf_anisotropy_desc, stretches);
-const pbf_struct_kind pbf_kind_snapshot = KIND(pbf_snapshot, owner);
-const pbf_struct_kind pbf_kind_stats = KIND(pbf_stats, density_mean);
-const pbf_struct_kind pbf_kind_timings = KIND(pbf_timings, stages);
-const pbf_struct_kind pbf_kind_plan = KIND(pbf_plan, arrays);
-const pbf_struct_kind pbf_kind_info = KIND(pbf_info, fallback_reason);
-const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, reason);
-const pbf_struct_kind pbf_kind_batch_info = KIND(pbf_batch_info, device_type);
-const pbf_struct_kind pbf_kind_volume = KIND(pbf_volume, half_length);
-const pbf_struct_kind pbf_kind_volume_flow = KIND(pbf_volume_flow, velocity);
-const pbf_struct_kind pbf_kind_samples = KIND(pbf_samples, wet);
-const pbf_struct_kind pbf_kind_sample_grid = KIND(pbf_sample_grid, step);
-const pbf_struct_kind pbf_kind_emitter = KIND(pbf_emitter, lifetime);
-const pbf_struct_kind pbf_kind_reservoir = KIND(pbf_reservoir, removed);
-const pbf_struct_kind pbf_kind_in_out = KIND(pbf_in_out, expired);
-const pbf_struct_kind pbf_kind_phase = KIND(pbf_phase, viscosity);
-const pbf_struct_kind pbf_kind_diffuse_desc = KIND(pbf_diffuse_desc, scatter);
-const pbf_struct_kind pbf_kind_diffuse_info = KIND(pbf_diffuse_info, recycled);
-const pbf_struct_kind pbf_kind_diffuse_read = KIND(pbf_diffuse_read, ids);
+const pbf_struct_kind pbf_kind_ranks = KIND(pbf_ranks, "ranks", shares);
+const pbf_struct_kind pbf_kind_allocator = KIND(pbf_allocator, "allocator", release);
+const pbf_struct_kind pbf_kind_desc = KIND(pbf_desc, "desc", log_user);
+const pbf_struct_kind pbf_kind_params = KIND(pbf_params, "params", search_cell_width);
+const pbf_struct_kind pbf_kind_collider = KIND(pbf_collider, "collider", half_length);
+const pbf_struct_kind pbf_kind_grid_desc = KIND(pbf_grid_desc, "grid", values);
+const pbf_struct_kind pbf_kind_mesh_desc = KIND(pbf_mesh_desc, "mesh", thickness);
+const pbf_struct_kind pbf_kind_heights_desc = KIND(pbf_heights_desc, "heights", cell);
+const pbf_struct_kind pbf_kind_hull_desc = KIND(pbf_hull_desc, "hull", cell);
+const pbf_struct_kind pbf_kind_shape_info = KIND(pbf_shape_info, "info", hash);
+const pbf_struct_kind pbf_kind_collider_load = KIND(pbf_collider_load, "loads", wetted_area);
+const pbf_struct_kind pbf_kind_view = KIND(pbf_view, "view", ids);
+const pbf_struct_kind pbf_kind_read_desc = KIND(pbf_read_desc, "read", w_value);
+const pbf_struct_kind pbf_kind_write_desc = KIND(pbf_write_desc, "write", stream);
+const pbf_struct_kind pbf_kind_anisotropy_desc = KIND(pbf_anisotropy_desc, "anisotropy", stretches);
+const pbf_struct_kind pbf_kind_snapshot = KIND(pbf_snapshot, "snapshot", owner);
+const pbf_struct_kind pbf_kind_stats = KIND(pbf_stats, "stats", density_mean);
+const pbf_struct_kind pbf_kind_timings = KIND(pbf_timings, "timings", stages);
+const pbf_struct_kind pbf_kind_plan = KIND(pbf_plan, "plan", arrays);
+const pbf_struct_kind pbf_kind_info = KIND(pbf_info, "info", fallback_reason);
+const pbf_struct_kind pbf_kind_backend_info = KIND(pbf_backend_info, "info", reason);
+const pbf_struct_kind pbf_kind_batch_info = KIND(pbf_batch_info, "info", device_type);
+const pbf_struct_kind pbf_kind_volume = KIND(pbf_volume, "volume", half_length);
+const pbf_struct_kind pbf_kind_volume_flow = KIND(pbf_volume_flow, "flows", velocity);
+const pbf_struct_kind pbf_kind_samples = KIND(pbf_samples, "samples", wet);
+const pbf_struct_kind pbf_kind_sample_grid = KIND(pbf_sample_grid, "grid", step);
+const pbf_struct_kind pbf_kind_emitter = KIND(pbf_emitter, "emitter", lifetime);
+const pbf_struct_kind pbf_kind_reservoir = KIND(pbf_reservoir, "reservoir", removed);
+const pbf_struct_kind pbf_kind_in_out = KIND(pbf_in_out, "in_out", expired);
+const pbf_struct_kind pbf_kind_phase = KIND(pbf_phase, "phase", viscosity);
+const pbf_struct_kind pbf_kind_diffuse_desc = KIND(pbf_diffuse_desc, "desc", scatter);
+const pbf_struct_kind pbf_kind_diffuse_info = KIND(pbf_diffuse_info, "info", recycled);
+const pbf_struct_kind pbf_kind_diffuse_read = KIND(pbf_diffuse_read, "read", ids);
 
 pbf_status pbf_struct_check_size(const pbf_struct_kind *kind, uint32_t size) {
   if (size >= kind->first_size && size <= MAX_SIZE) return PBF_OK;
@@ -60,8 +60,8 @@ uint32_t pbf_struct_size(const void *theirs) {
 }
 
 static pbf_status fail_on_null(const pbf_struct_kind *kind) {
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it must point to a %s",
-                  kind->name + strlen("pbf_"), kind->name);
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null; it must point to a %s", kind->argument,
+                  kind->name);
 }
 
 pbf_status pbf_struct_check_out(const pbf_struct_kind *kind, const void *theirs) {

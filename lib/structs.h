@@ -14,6 +14,7 @@
 /* One kind of public struct. `first_size` is what the first release had: no caller has less. */
 typedef struct pbf_struct_kind {
   const char *name;
+  const char *argument; /* what functions call one */
   uint32_t size;
   uint32_t first_size;
 } pbf_struct_kind;

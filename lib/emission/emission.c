@@ -211,6 +211,7 @@ pbf_status pbf_set_drains(pbf_solver *solver, uint32_t count, const pbf_volume *
 
 static pbf_status get_drain(const pbf_solver *solver, uint32_t index, pbf_volume *drain) {
   const pbf_emission *e = solver->emission;
+  if (!drain) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "drain is null");
   pbf_status status = pbf_struct_check_out(&pbf_kind_volume, drain);
   if (status == PBF_OK) status = check_index(index, e ? e->head.drain_count : 0, "drains");
   if (status != PBF_OK) return status;

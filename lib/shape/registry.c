@@ -44,6 +44,7 @@ static pbf_live_shape **find(const pbf_shape *shape) {
 }
 
 pbf_status pbf_shape_hold(pbf_shape *shape, const char *label) {
+  if (!shape) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", label);
   pbf_lock_take(PBF_LOCK_SHAPES);
   pbf_live_shape *found = *find(shape);
   if (found) ++found->references;
@@ -102,6 +103,7 @@ static pbf_shape_info info_of(const pbf_live_shape *of) {
 pbf_status pbf_get_shape_info(pbf_shape *shape, pbf_shape_info *info) {
   pbf_status status = pbf_lock_check();
   if (status == PBF_OK) status = pbf_struct_check_out(&pbf_kind_shape_info, info);
+  if (status == PBF_OK && !shape) status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "shape is null");
   if (status != PBF_OK) return status;
   pbf_lock_take(PBF_LOCK_SHAPES);
   const pbf_live_shape *found = *find(shape);

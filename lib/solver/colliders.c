@@ -115,13 +115,14 @@ pbf_status pbf_colliders_check_count(const pbf_solver *solver, uint32_t count) {
                   solver->plugin->name, taken, count);
 }
 
-static pbf_status check_array(const pbf_solver *solver, uint32_t count,
+static pbf_status check_array(const pbf_solver *solver, const char *name, uint32_t count,
                               const pbf_collider *colliders) {
   if (count > PBF_MAX_COLLIDERS) {
     return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "count is %u; it must be at most %u", count,
                     PBF_MAX_COLLIDERS);
   }
   if (count == 0) return PBF_OK;
+  if (!colliders) return pbf_fail(PBF_ERROR_INVALID_ARGUMENT, "%s is null", name);
   pbf_status status = pbf_colliders_check_count(solver, count);
   return status == PBF_OK ? pbf_struct_check_out(&pbf_kind_collider, colliders) : status;
 }
@@ -273,7 +274,7 @@ static pbf_status put_in_place(pbf_solver *solver, uint32_t count, const uint32_
 
 static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs) {
   pbf_collider *memory = NULL;
-  pbf_status status = check_array(solver, count, theirs);
+  pbf_status status = check_array(solver, "colliders", count, theirs);
   if (status == PBF_OK && count > 0) status = take(solver, TO_SET, count, theirs, &memory);
   if (status != PBF_OK) return status;
   pbf_collider_places before = {solver->colliders, solver->collider_count, change_of(solver), NULL,
@@ -369,7 +370,7 @@ static pbf_status check_move(const pbf_solver *solver, uint32_t count, const pbf
                     "duration is %s; it must be a time above 0, and finite",
                     pbf_text_number(number, duration));
   }
-  return check_array(solver, count, targets);
+  return check_array(solver, "targets", count, targets);
 }
 
 static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_collider *theirs,

@@ -1,6 +1,8 @@
 /* Every function with null, dead and wrong arguments: status, sentence, nothing changed. */
 #include <dlpack/dlpack.h>
 
+#include <pbf/all.h>
+
 #include "support.h"
 
 /* Each call of the API that takes a solver, with arguments that would do otherwise. */
@@ -99,7 +101,7 @@ static void null_arguments(void **state) {
   assert_fails(pbf_set_velocities(s, 0, 1, NULL), bad, "velocities is null");
   assert_fails(pbf_get_ids(s, 0, 1, NULL), bad, "ids is null");
   assert_fails(pbf_get_densities(s, 0, 1, NULL), bad, "densities is null");
-  assert_fails(pbf_set_colliders(s, 1, NULL), bad, "collider is null");
+  assert_fails(pbf_set_colliders(s, 1, NULL), bad, "colliders is null");
   assert_fails(pbf_get_collider_count(s, NULL), bad, "count is null");
   assert_fails(pbf_get_collider(s, 0, NULL), bad, "collider is null");
   assert_fails(pbf_map(s, PBF_FIELD_ID, NULL), bad, "view is null");
@@ -112,9 +114,46 @@ static void null_arguments(void **state) {
   assert_fails(pbf_load(s, NULL, 100), bad, "buffer is null");
   assert_fails(pbf_hash(s, NULL), bad, "hash is null");
   assert_fails(pbf_get_backend_count(NULL), bad, "count is null");
-  assert_fails(pbf_get_backend_info(NULL, 0, NULL), bad, "backend_info is null");
+  assert_fails(pbf_get_backend_info(NULL, 0, NULL), bad, "info is null");
   assert_fails(pbf_load_backend(NULL), bad, "path is null");
   assert_int_equal(test_hash(s), before);
+  pbf_destroy(s);
+}
+
+/* By the names that the headers give them, which are not always those of their types. */
+static void named(pbf_status status, const char *argument) {
+  const size_t length = strlen(argument);
+  assert_int_equal(status, PBF_ERROR_INVALID_ARGUMENT);
+  if (strncmp(pbf_last_error(), argument, length) != 0 ||
+      strncmp(pbf_last_error() + length, " is null", 8) != 0)
+    fail_msg("\"%s\" does not begin with %s is null", pbf_last_error(), argument);
+}
+
+static void null_arguments_have_their_names(void **state) {
+  (void)state;
+  pbf_solver *s = test_filled(2, PBF_FLOAT32, 4, 10);
+  const pbf_desc desc = test_desc(2, PBF_FLOAT32, 10);
+  pbf_shape *shape = NULL;
+  pbf_shape_info about = {.struct_size = sizeof about};
+  pbf_collider ball;
+  pbf_batch *batch = NULL;
+  assert_ok(pbf_collider_init(&ball, sizeof ball, PBF_COLLIDER_SPHERE));
+  named(pbf_set_colliders(s, 1, NULL), "colliders");
+  assert_ok(pbf_set_colliders(s, 1, &ball));
+  named(pbf_move_colliders(s, 1, NULL, 1), "targets");
+  named(pbf_get_drain(s, 0, NULL), "drain");
+  named(pbf_get_diffuse_info(s, NULL), "info");
+  named(pbf_get_backend_info(NULL, 0, NULL), "info");
+  named(pbf_shape_from_grid(NULL, &shape), "grid");
+  named(pbf_shape_from_mesh(NULL, &shape), "mesh");
+  named(pbf_shape_from_heights(NULL, &shape), "heights");
+  named(pbf_shape_from_points(NULL, &shape), "hull");
+  named(pbf_get_shape_info(NULL, &about), "shape");
+  named(pbf_get_shape_info(NULL, NULL), "info");
+  named(pbf_hold_shape(NULL), "shape");
+  assert_ok(pbf_batch_create(&desc, NULL, 1, &batch));
+  named(pbf_batch_get_info(batch, NULL), "info");
+  pbf_batch_destroy(batch);
   pbf_destroy(s);
 }
 
@@ -167,8 +206,11 @@ static void the_sentence_stays(void **state) {
 
 int main(void) {
   const struct CMUnitTest contract[] = {
-      cmocka_unit_test(null_and_dead_handles), cmocka_unit_test(null_arguments),
-      cmocka_unit_test(rows_out_of_range),     cmocka_unit_test(statuses_have_names),
+      cmocka_unit_test(null_and_dead_handles),
+      cmocka_unit_test(null_arguments),
+      cmocka_unit_test(null_arguments_have_their_names),
+      cmocka_unit_test(rows_out_of_range),
+      cmocka_unit_test(statuses_have_names),
       cmocka_unit_test(the_sentence_stays),
   };
   return TEST_RUN(contract);
