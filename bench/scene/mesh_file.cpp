@@ -1,4 +1,5 @@
 /* Meshes in OBJ files (v, f, and in 2D l; all else is left out) and STL files, text or binary. */
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -17,11 +18,29 @@ std::runtime_error at_line(const std::string &path, size_t line, const std::stri
   return std::runtime_error(path + ":" + std::to_string(line) + ": " + reason);
 }
 
+// All of the word, in digits, and finite.
+double number_of(const std::string &word) {
+  char *end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  if (word.find_first_not_of("0123456789+-.eE") != word.npos || *end || !std::isfinite(number))
+    throw std::runtime_error("\"" + word + "\" is no number");
+  return number;
+}
+
+// The numbers that come next on a line.
+void read_numbers(std::istringstream &words, unsigned count, Mesh &mesh) {
+  for (std::string word; count > 0; --count) {
+    if (!(words >> word)) throw std::runtime_error("a vertex has too few numbers");
+    mesh.vertices.push_back(number_of(word));
+  }
+}
+
 // "7", "7/1/3", "-1": the vertex from 0, of `count` so far; below 0 it counts from the last one.
 uint32_t vertex_of(const std::string &word, size_t count) {
-  const long long number = std::strtoll(word.c_str(), nullptr, 10);
+  char *end = nullptr;
+  const long long number = std::strtoll(word.c_str(), &end, 10);
   const long long index = number < 0 ? static_cast<long long>(count) + number : number - 1;
-  if (number == 0 || index < 0 || index >= static_cast<long long>(count))
+  if ((*end && *end != '/') || number == 0 || index < 0 || index >= static_cast<long long>(count))
     throw std::runtime_error("\"" + word + "\" is none of the " + std::to_string(count) +
                              " vertices before it");
   return static_cast<uint32_t>(index);
@@ -41,15 +60,17 @@ void read_obj_line(std::istringstream &words, unsigned dimension, Mesh &mesh) {
   std::string kind, word;
   words >> kind;
   if (kind == "v") {
-    double x[3] = {};
-    if (!(words >> x[0] >> x[1]) || (dimension == 3 && !(words >> x[2])))
-      throw std::runtime_error("a vertex has too few numbers");
-    mesh.vertices.insert(mesh.vertices.end(), x, x + dimension);
+    read_numbers(words, dimension, mesh);
   } else if (kind == (dimension == 3 ? "f" : "l")) {
     std::vector<uint32_t> corners;
     while (words >> word) corners.push_back(vertex_of(word, mesh.vertices.size() / dimension));
     add_corners(corners, dimension, mesh);
   }
+}
+
+// Editors of Windows begin a text with a mark of UTF-8.
+std::string without_mark(const std::string &line) {
+  return line.rfind("\xef\xbb\xbf", 0) == 0 ? line.substr(3) : line;
 }
 
 Mesh read_obj(const std::string &path, const std::string &text, unsigned dimension) {
@@ -58,7 +79,7 @@ Mesh read_obj(const std::string &path, const std::string &text, unsigned dimensi
   size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    std::istringstream words(line);
+    std::istringstream words(number == 1 ? without_mark(line) : line);
     try {
       read_obj_line(words, dimension, mesh);
     } catch (const std::runtime_error &error) {
@@ -94,11 +115,12 @@ Mesh read_text_stl(const std::string &path, const std::string &text) {
   for (std::string line, word; std::getline(lines, line);) {
     ++number;
     std::istringstream words(line);
-    double x[3];
     if (!(words >> word) || word != "vertex") continue;
-    if (!(words >> x[0] >> x[1] >> x[2]))
-      throw at_line(path, number, "a vertex has too few numbers");
-    mesh.vertices.insert(mesh.vertices.end(), x, x + 3);
+    try {
+      read_numbers(words, 3, mesh);
+    } catch (const std::runtime_error &error) {
+      throw at_line(path, number, error.what());
+    }
   }
   if (mesh.vertices.empty() || mesh.vertices.size() % 9 != 0)
     throw std::runtime_error(path + " has " + std::to_string(mesh.vertices.size() / 3) +

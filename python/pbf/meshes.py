@@ -1,8 +1,10 @@
 """Meshes in OBJ files (v, f, and in 2D l; all else is left out) and STL files, text or binary."""
 from __future__ import annotations
 
+import math
 import os
 import pathlib
+import re
 from typing import Any, Union
 
 import numpy as np
@@ -26,17 +28,18 @@ def read_mesh(path: Union[str, os.PathLike[str]], dimension: int = 3) -> Mesh:
     except OSError as error:
         raise DataError(f"{path} can't be read: {error.strerror}") from None
     if ending == ".obj":
-        return _obj(path, content.decode("utf-8", "replace"), dimension)
+        return _obj(path, content.decode("utf-8-sig", "replace"), dimension)
     if dimension != 3:
         raise DataError(f"{path}: STL files hold triangles; in 2D an OBJ file with lines does")
     return _stl(path, content)
 
 
+_NUMBER = re.compile(r"[0-9+\-.eE]+")  # Python has more: 1_000, inf, digits of other scripts
+_INDEX = re.compile(r"[+-]?[0-9]{1,18}(/.*)?")
+
+
 def _vertex(word: str, count: int) -> int:
-    try:
-        number = int(word.split("/")[0])
-    except ValueError:
-        number = 0
+    number = int(word.split("/")[0]) if _INDEX.fullmatch(word) else 0
     index = count + number if number < 0 else number - 1
     if number == 0 or not 0 <= index < count:
         raise DataError(f'"{word}" is none of the {count} vertices before it')
@@ -60,14 +63,20 @@ def _obj(path: pathlib.Path, text: str, dimension: int) -> Mesh:
     return np.array(vertices, np.float64), np.array(faces, np.uint32)
 
 
-def _numbers(words: list[str], count: int) -> list[float]:
+def _number(word: str) -> float:
     try:
-        numbers = [float(word) for word in words]
+        number = float(word) if _NUMBER.fullmatch(word) else math.nan
     except ValueError:
-        numbers = []
-    if len(numbers) != count:
+        number = math.nan
+    if not math.isfinite(number):
+        raise DataError(f'"{word}" is no number')
+    return number
+
+
+def _numbers(words: list[str], count: int) -> list[float]:
+    if len(words) != count:
         raise DataError("a vertex has too few numbers")
-    return numbers
+    return [_number(word) for word in words]
 
 
 def _fan(corners: list[int], dimension: int) -> list[list[int]]:

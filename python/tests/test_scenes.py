@@ -1,6 +1,7 @@
 """Scene files. The numbers of particles and of steps are what `pbf-bench list` prints."""
 import json
 import pathlib
+import re
 
 import numpy as np
 import pytest
@@ -210,6 +211,24 @@ def test_meshes_of_files(tmp_path):
     (tmp_path / "scene.json").write_text(json.dumps(scene))
     with pytest.raises(pbf.DataError, match='cube.obj:2: "2" is none of the 1 vertices'):
         pbf.load_scene(tmp_path / "scene.json")
+
+
+def test_words_of_meshes_are_whole(tmp_path):
+    """The list of tests/bench/objects.cpp."""
+    path = tmp_path / "words.obj"
+    faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n"
+    for word in ("1,5", "1.5.2", "0x1", "1_0", "nan", "inf", "1e999", "1f", "--1", "+", "\u0661"):
+        path.write_text(f"v 0 0 0\nv 1 0 {word}\n{faces}", encoding="utf-8")
+        with pytest.raises(pbf.DataError, match=rf'words.obj:2: "{re.escape(word)}" is no number'):
+            read_mesh(path)
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    for word in ("4x", "4.5", "1_0", "0x4", "/4", "99999999999999999999"):
+        path.write_text(f"{corners}f 2 3 {word}\n")
+        with pytest.raises(pbf.DataError, match=f'words.obj:5: "{re.escape(word)}" is none of the 4'):
+            read_mesh(path)
+    path.write_text(f"\ufeff{corners}v 7 7 7\nf 2 3 4\n{faces}", encoding="utf-8")
+    vertices, triangles = read_mesh(path)
+    assert len(vertices) == 5 and triangles.tolist() == [[1, 2, 3], [0, 2, 1], [0, 1, 3], [0, 3, 2]]
 
 
 def test_a_baked_file_is_the_shape_that_was_saved(tmp_path):

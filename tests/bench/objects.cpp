@@ -345,6 +345,23 @@ void what_can_not_be_is_refused_with_its_place(void **) {
                   ":3:71: /blocks/0/phase: the value is 1; the scene has 0 phases");
 }
 
+// A tetrahedron of which a word is another; pbf.read_mesh has the same list.
+void words_of_meshes_are_whole(void **) {
+  const std::string of = R"("shapes": {"it": {"from": "mesh", "file": "words.obj", "cell": 0.1}})";
+  const std::string faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  for (const char *word : {"1,5", "1.5.2", "0x1", "1_0", "nan", "inf", "1e999", "1f", "--1", "+"}) {
+    write_text(PBF_TEST_WORK "/words.obj", std::string("v 0 0 0\nv 1 0 ") + word + "\n" + faces);
+    expect_contains(refusal(of), std::string("words.obj:2: \"") + word + "\" is no number");
+  }
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  for (const char *word : {"4x", "4.5", "1_0", "0x4", "/4", "99999999999999999999"}) {
+    write_text(PBF_TEST_WORK "/words.obj", corners + "f 2 3 " + word + "\n");
+    expect_contains(refusal(of), std::string("words.obj:5: \"") + word + "\" is none of the 4");
+  }
+  write_text(PBF_TEST_WORK "/words.obj", "\xef\xbb\xbf" + corners + "f 2 3 4\n" + faces);
+  assert_string_equal(refusal(of).c_str(), ""); /* the first vertex is there */
+}
+
 void parameters_that_do_not_agree_are_refused_with_their_place(void **) {
   const std::string some = R"("capacity": 1000)";
   const std::string walls =
@@ -375,6 +392,7 @@ int main() {
       cmocka_unit_test(a_baked_file_is_the_shape_that_was_saved),
       cmocka_unit_test(there_is_room_for_what_comes),
       cmocka_unit_test(what_can_not_be_is_refused_with_its_place),
+      cmocka_unit_test(words_of_meshes_are_whole),
       cmocka_unit_test(parameters_that_do_not_agree_are_refused_with_their_place),
   };
   return cmocka_run_group_tests(tests, nullptr, nullptr);
