@@ -107,7 +107,7 @@ static void solids_take_of_a_range_what_they_take_of_each(void **state) {
   uint64_t random = 5;
   uint16_t near[MOST];
   int some = 0, in_lanes = 0;
-  for (int k = 0; k < SCENES; ++k) {
+  for (int k = 0; k < scenes(); ++k) {
     make_scene(&random, k, &s);
     random_particles(&random, &all);
     list_all(&s, near);
@@ -129,7 +129,7 @@ static void solids_take_of_a_range_what_they_take_of_each(void **state) {
     }
     some += assert_same_sums(k, &found, &right);
   }
-  assert_true(some > SCENES && in_lanes > 2 * SCENES);
+  assert_true(some > scenes() && in_lanes > 2 * scenes());
 }
 
 /* ---- Points of a grid ------------------------------------------------------------------------ */
@@ -172,7 +172,7 @@ static void a_grid_presses_around_points_as_around_each(void **state) {
   uint64_t random = 6;
   uint16_t near[MOST];
   int some = 0, in_lanes = 0;
-  for (int k = 0; k < SCENES; ++k) {
+  for (int k = 0; k < scenes(); ++k) {
     make_scene(&random, k, &s);
     list_all(&s, near);
     make_grid(&s, &random, &storage);
@@ -191,7 +191,7 @@ static void a_grid_presses_around_points_as_around_each(void **state) {
     in_lanes += done;
     free(storage.lambda);
   }
-  assert_true(some > SCENES && in_lanes > SCENES / 2);
+  assert_true(some > scenes() && in_lanes > scenes() / 2);
 }
 
 int main(void) {

@@ -32,12 +32,12 @@ static void a_group_has_what_each_particle_has(void **state) {
   static scene s;
   uint64_t random = 1;
   int beside = 0;
-  for (int k = 0; k < SCENES; ++k) {
+  for (int k = 0; k < scenes(); ++k) {
     make_scene(&random, k, &s);
     const lane_values x = random_places(&random);
     beside += check_boundary(&s, k, &x, NULL);
   }
-  assert_true(beside > SCENES / 4);
+  assert_true(beside > scenes() / 4);
 }
 
 /* Some way on, those that were clear of all solids and have not gone far are not asked. */
@@ -46,7 +46,7 @@ static void those_that_stay_clear_need_not_be_asked(void **state) {
   static scene s;
   uint64_t random = 3;
   int all = 0, some = 0;
-  for (int k = 0; k < SCENES; ++k) {
+  for (int k = 0; k < scenes(); ++k) {
     alignas(64) pbf_real ways[WIDTH];
     make_scene(&random, k, &s);
     const lane_values from = random_places(&random);
@@ -69,7 +69,7 @@ static void what_is_clear_goes_where_the_domain_keeps_it(void **state) {
   static scene s;
   uint64_t random = 2;
   int clear_ones = 0, met = 0;
-  for (int k = 0; k < SCENES; ++k) {
+  for (int k = 0; k < scenes(); ++k) {
     lane_marks clear;
     make_scene(&random, k, &s);
     const lane_values from = random_places(&random);
@@ -90,7 +90,7 @@ static void what_is_clear_goes_where_the_domain_keeps_it(void **state) {
       met += !stays;
     }
   }
-  assert_true(clear_ones > SCENES / 4 && met > SCENES / 100);
+  assert_true(clear_ones > scenes() / 4 && met > scenes() / 100);
 }
 
 int main(void) {
