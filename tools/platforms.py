@@ -30,7 +30,7 @@ COMMON = ["-DCMAKE_BUILD_TYPE=Release", "-DPBF_BACKENDS=reference;serial;threads
 OF_POSIX = {"batch_failures", "begun_logs", "beyond_memory", "cycles", "exceptions", "forks", "fp_environment", "interrupted", "locale", "thread_cancelled"}
 # Those that take minutes where a processor is emulated, or has the scalar loops alone, with what begins as they do: tests
 # that were parted from them.
-SLOW = {"adhesion", "buoyancy", "damping_compensation", "deep", "deep_choice", "deep_wide", "depenetration", "diffuse", "diffuse_held", "emitters", "full", "loads", "many_colliders", "no_slip", "openings", "overlap",
+SLOW = {"adhesion", "buoyancy", "damping_compensation", "deep", "deep_choice", "deep_wide", "depenetration", "diffuse", "diffuse_held", "emitters", "full", "inner_room", "loads", "many_colliders", "no_slip", "openings", "overlap",
         "partitions", "periodic", "phases", "queries", "ranges", "reservoirs", "shapes_fluid", "slosh", "steps", "surface", "surface_tension", "tiles", "walls"}
 
 

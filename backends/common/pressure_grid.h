@@ -285,7 +285,8 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
   return pbf_pressure_grid_source_scale_of(c, &extent);
 }
 
-/* How far the nodes of the cells in a box are below the surface. */
+/* How far the nodes of the cells in a box are below the surface, and where fluid ends in these:
+ * torn nodes stand for those that they are of. */
 static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *storage,
                                                   const pbf_pressure_grid_box *box) {
   const pbf_pressure_grid *c = &storage->grid;
@@ -298,9 +299,12 @@ static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *sto
   }
   do {
     uint32_t row = pbf_pressure_grid_row(c, i);
-    for (i[0] = nodes.first[0]; i[0] <= nodes.last[0]; ++i[0])
-      storage->depths[row + (uint32_t)i[0]] = pbf_pressure_grid_node_depth(
-          c, t, storage->sums, storage->places, storage->free_volumes, (int64_t)row + i[0], i);
+    for (i[0] = nodes.first[0]; i[0] <= nodes.last[0]; ++i[0]) {
+      const uint32_t node = row + (uint32_t)i[0];
+      if (t->is_active && t->torn[node]) continue;
+      storage->depths[node] = pbf_pressure_grid_node_depth(c, t, storage->sums, storage->places,
+                                                           storage->free_volumes, node, i);
+    }
   } while (pbf_pressure_grid_next_row(&nodes, i));
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k)
     storage->depths[t->torn_at[k]] = pbf_pressure_grid_torn_depth(
@@ -314,7 +318,7 @@ static inline double pbf_pressure_grid_torn_equations(
   const pbf_pressure_grid_topology *t = &storage->topology;
   double largest = 0;
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k) {
-    pbf_pressure_grid_torn_equation(&storage->grid, t, source_scale, storage->sums,
+    pbf_pressure_grid_torn_equation(&storage->grid, t, source_scale, storage->sums, storage->places,
                                     storage->free_volumes, storage->depths, k);
     if (storage->cell_moves && t->inverse[k] > 0)
       t->right[k] += pbf_moves_at_torn_node(&storage->grid, t, source_scale->part, storage->sums,

@@ -267,12 +267,12 @@ static __attribute__((noinline)) void write_equations(
   const pbf_pressure_grid c = storage->grid;
   const pbf_pressure_grid_source_scale d = *source_scale;
   const double *free_volumes = storage->free_volumes, *depths = storage->depths;
-  const int64_t *sums = storage->sums;
+  const int64_t *sums = storage->sums, *cell_places = storage->places;
   for (int x = i[0]; x <= last; ++x) {
     int node[PBF_DIM];
     for (int k = 0; k < PBF_DIM; ++k) node[k] = k ? i[k] : x;
-    pbf_pressure_grid_equation_at(&c, &d, sums, free_volumes, depths[row + x], (int64_t)row + x,
-                                  node, &right[x], &inverse[x]);
+    pbf_pressure_grid_equation_at(&c, &d, sums, cell_places, free_volumes, depths[row + x],
+                                  (int64_t)row + x, node, &right[x], &inverse[x]);
   }
 }
 

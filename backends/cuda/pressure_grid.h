@@ -250,7 +250,11 @@ static __device__ __forceinline__ const int64_t *pressure_grid_integers(
   return reinterpret_cast<const int64_t *>(sums);
 }
 
-/* How far nodes are below the surface. */
+static __device__ __forceinline__ int64_t *pressure_grid_places(const pressure_grid_arrays &a) {
+  return reinterpret_cast<int64_t *>(a.places);
+}
+
+/* How far nodes are below the surface; cells' places tell then where fluid ends. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     pressure_grid_depths_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t node = thread_index();
@@ -259,18 +263,18 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   const uint32_t torn = pbf_pressure_grid_torn_count(&a.topology);
   if (node >= grid.nodes) { /* and of torn ones, instead of what they have as ordinary ones */
     if (node - grid.nodes < torn)
-      a.depths[a.topology.torn_at[node - grid.nodes]] = pbf_pressure_grid_torn_depth(
-          &grid, &a.topology, pressure_grid_integers(a.sums), pressure_grid_integers(a.places),
-          a.free_volumes, node - grid.nodes);
+      a.depths[a.topology.torn_at[node - grid.nodes]] =
+          pbf_pressure_grid_torn_depth(&grid, &a.topology, pressure_grid_integers(a.sums),
+                                       pressure_grid_places(a), a.free_volumes, node - grid.nodes);
     return;
   }
   if (torn && a.topology.torn[node]) return;
   pbf_pressure_grid_place(&grid, node, i);
   for (int k = 0; k < PBF_DIM; ++k) outside = outside || i[k] == 0;
-  a.depths[node] = outside ? -1
-                           : pbf_pressure_grid_node_depth(
-                                 &grid, &a.topology, pressure_grid_integers(a.sums),
-                                 pressure_grid_integers(a.places), a.free_volumes, node, i);
+  a.depths[node] =
+      outside ? -1
+              : pbf_pressure_grid_node_depth(&grid, &a.topology, pressure_grid_integers(a.sums),
+                                             pressure_grid_places(a), a.free_volumes, node, i);
 }
 
 /* The step's source scale, for all threads of a block. */
@@ -289,7 +293,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   double right = 0, inverse = 0;
   if (node < grid.nodes) {
     pbf_pressure_grid_equation(&grid, &a.topology, &source_scale, pressure_grid_integers(a.sums),
-                               a.free_volumes, a.depths, node, &right, &inverse);
+                               pressure_grid_integers(a.places), a.free_volumes, a.depths, node,
+                               &right, &inverse);
     if (a.topology.is_active && a.topology.torn[node]) inverse = 0;
     if (a.cell_moves && inverse > 0)
       right += pbf_moves_at_node(&grid, source_scale.part, pressure_grid_integers(a.sums),
@@ -298,8 +303,9 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     a.inverse[node] = inverse;
   } else if (node - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
     const uint32_t torn = node - grid.nodes;
-    pbf_pressure_grid_torn_equation(&grid, &a.topology, &source_scale,
-                                    pressure_grid_integers(a.sums), a.free_volumes, a.depths, torn);
+    pbf_pressure_grid_torn_equation(
+        &grid, &a.topology, &source_scale, pressure_grid_integers(a.sums),
+        pressure_grid_integers(a.places), a.free_volumes, a.depths, torn);
     right = a.topology.right[torn];
     inverse = a.topology.inverse[torn];
     if (a.cell_moves && inverse > 0)

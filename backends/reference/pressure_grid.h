@@ -38,7 +38,8 @@ static inline double pressure_grid_equations(pbf_pressure_grid_storage *storage,
   for (uint32_t node = 0; node < storage->grid.nodes; ++node) {
     double *right = &storage->right[node], *inverse = &storage->inverse[node];
     pbf_pressure_grid_equation(&storage->grid, &storage->topology, source_scale, storage->sums,
-                               storage->free_volumes, storage->depths, node, right, inverse);
+                               storage->places, storage->free_volumes, storage->depths, node, right,
+                               inverse);
     if (storage->topology.is_active && storage->topology.torn[node]) *inverse = 0;
     if (*inverse > 0) *right += pbf_pressure_grid_moves_at(storage, source_scale, node);
     if (*inverse > 0) largest = pbf_max(largest, fabs(*right));

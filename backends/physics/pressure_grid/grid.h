@@ -16,6 +16,10 @@
  * cells in part. Where the surface cuts a cell, pressure ends in it, whatever its slope: lambda
  * goes on beyond it as it is below, and is 0 there (surface.h).
  *
+ * Errors are of both signs: where fluid has room inside, as below a lid, in the middle of an eddy
+ * or behind a wall that draws back, what is around it comes in. At a surface, where fluid ends, it
+ * lacks density, too, and nothing pulls: there what is pressed counts alone.
+ *
  * Only a part of all this is done, by the depth of the fluid (physics/depth.h): shallow fluid is
  * left to the iterations.
  *
@@ -37,6 +41,12 @@
 
 /* A cell is filled from such a part of its free volume on. */
 #define PBF_PRESSURE_GRID_FILLED 0.6
+
+/* The room that there is for what fluid lacks of density. Where it comes off a solid it lacks half
+ * of the gap: at its plane the half-space that a solid counts as makes half of a density, whatever
+ * the kernel; a little less than 2 leaves ripples as they were. With 1 a cave below a lake boils.
+ */
+#define PBF_PRESSURE_GRID_ROOM 1.9
 
 /* Nodes that are at least so many cells below the surface are not in the open. */
 #define PBF_PRESSURE_GRID_SURFACE 0.001
@@ -60,6 +70,7 @@ typedef struct pbf_pressure_grid {
   double error;                 /* pbf_depth_error of a head of 1 */
   double max_left;              /* to the iterations, of an error, … */
   double left_cells;            /* … or else the weight of so many cells' heights */
+  double room;                  /* of what lacks density; 0: solids do not count as fluid */
   int axis;                     /* along which the forces push most */
   int n[PBF_DIM];               /* cells inside */
   uint32_t size[PBF_DIM];       /* indices along an axis */
@@ -158,6 +169,7 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.left_cells = PBF_DEPTH_SHEARED_LEFT_LAYERS * c.spacing;
   c.unit = params->particle_volume > 0 ? params->particle_volume
                                        : pbf_pow(pbf_derive_spacing(params), PBF_DIM);
+  c.room = params->wall_density < 1 ? 0 : PBF_PRESSURE_GRID_ROOM;
   c.move = params->time_step / width;
   c.accelerated = dt2 / width;
   c.drag = pbf_pressure_grid_drag(params);
@@ -225,14 +237,10 @@ PBF_FN uint32_t pbf_pressure_grid_cell(const pbf_pressure_grid *c, pbf_vec x, do
 
 /* What a particle adds to its cell's sum: one to the count in the upper 24 bits, its density
  * error to what is below, less what is allowed for an overlap (passes/overlap.h), which would be
- * thrown apart here as in the iterations. The sum of integers is the same in any order. Room counts
- * where it is a ripple, not where fluid ends. */
+ * thrown apart here as in the iterations. The sum of integers is the same in any order. */
 PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_real overlap) {
   double error = pbf_min((double)(density - target), 1);
-  if (error > 0)
-    error = pbf_max(error - (double)overlap, 0);
-  else
-    error *= pbf_max(0, 1 + 10 * error);
+  if (error > 0) error = pbf_max(error - (double)overlap, 0);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }
 

@@ -14,33 +14,46 @@
 
 /* What a node's cells have and do. */
 typedef struct pbf_pressure_grid_node_sum {
-  double free_volume, sum;
+  double free_volume, divergence;
+  double pressed, lacks; /* errors of the cells that are too dense, and of the others */
+  int64_t ends;          /* whether fluid ends in one of them, pbf_pressure_grid_is_end */
 } pbf_pressure_grid_node_sum;
 
 /* A cell, or a compartment of it, of which the node, the i-th along each axis, is corner `a`. A
  * crowd counts as an error of its cell's whole free volume: it is for the iterations. */
-PBF_FN void pbf_pressure_grid_add_cell(const pbf_pressure_grid *c,
-                                       const pbf_pressure_grid_source_scale *source_scale,
-                                       const int64_t *sums, const double *free_volumes,
+PBF_FN void pbf_pressure_grid_add_cell(const pbf_pressure_grid *c, const int64_t *sums,
+                                       const int64_t *places, const double *free_volumes,
                                        int64_t cell, const int i[PBF_DIM], int a,
                                        pbf_pressure_grid_node_sum *all) {
+  const double error = pbf_min(pbf_pressure_grid_error(c, sums[cell]), free_volumes[cell]);
   double divergence = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     int right_of = a >> k & 1;
     divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
   }
   all->free_volume += free_volumes[cell];
-  all->sum += source_scale->share / PBF_CORNERS *
-                  pbf_min(pbf_pressure_grid_error(c, sums[cell]), free_volumes[cell]) +
-              free_volumes[cell] * divergence * 2 / PBF_CORNERS;
+  all->divergence += free_volumes[cell] * divergence;
+  all->pressed += pbf_max(error, 0);
+  all->lacks += pbf_min(error, 0);
+  all->ends |= places[cell];
 }
 
-PBF_FN void pbf_pressure_grid_equation_of(const pbf_pressure_grid_source_scale *source_scale,
+/* What fluid lacks where it ends is no room inside: nothing pulls there. */
+PBF_FN double pbf_pressure_grid_source(const pbf_pressure_grid *c,
+                                       const pbf_pressure_grid_source_scale *source_scale,
+                                       const pbf_pressure_grid_node_sum *all) {
+  const double room = pbf_pressure_grid_is_end(all->ends) ? 0 : c->room;
+  return source_scale->part / PBF_CORNERS *
+         (source_scale->share * (all->pressed + room * all->lacks) + 2 * all->divergence);
+}
+
+PBF_FN void pbf_pressure_grid_equation_of(const pbf_pressure_grid *c,
+                                          const pbf_pressure_grid_source_scale *source_scale,
                                           const pbf_pressure_grid_node_sum *all, double depth,
                                           double *right, double *inverse) {
-  int has = all->free_volume >= 0.1 && source_scale->part > 0;
+  int has = all->free_volume >= PBF_PRESSURE_GRID_NO_VOLUME && source_scale->part > 0;
   int solved = has && !pbf_pressure_grid_is_open(depth);
-  *right = has ? -source_scale->part * all->sum : 0;
+  *right = has ? -pbf_pressure_grid_source(c, source_scale, all) : 0;
   *inverse =
       solved
           ? 1 / (PBF_PRESSURE_GRID_STIFFNESS * PBF_PRESSURE_GRID_STIFFNESS_OWN * all->free_volume)
@@ -52,33 +65,33 @@ PBF_FN void pbf_pressure_grid_equation_of(const pbf_pressure_grid_source_scale *
  * compiler can do several nodes at once. */
 PBF_FN void pbf_pressure_grid_equation_at(const pbf_pressure_grid *c,
                                           const pbf_pressure_grid_source_scale *source_scale,
-                                          const int64_t *sums, const double *free_volumes,
-                                          double depth, int64_t node, const int i[PBF_DIM],
-                                          double *right, double *inverse) {
-  pbf_pressure_grid_node_sum all = {0, 0};
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[0], i,
-                             0, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[1], i,
-                             1, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[2], i,
-                             2, &all);
-  pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, node - (int64_t)c->corner[3], i,
-                             3, &all);
+                                          const int64_t *sums, const int64_t *places,
+                                          const double *free_volumes, double depth, int64_t node,
+                                          const int i[PBF_DIM], double *right, double *inverse) {
+  pbf_pressure_grid_node_sum all = {0, 0, 0, 0, 0};
+  pbf_pressure_grid_add_cell(c, sums, places, free_volumes, node - (int64_t)c->corner[0], i, 0,
+                             &all);
+  pbf_pressure_grid_add_cell(c, sums, places, free_volumes, node - (int64_t)c->corner[1], i, 1,
+                             &all);
+  pbf_pressure_grid_add_cell(c, sums, places, free_volumes, node - (int64_t)c->corner[2], i, 2,
+                             &all);
+  pbf_pressure_grid_add_cell(c, sums, places, free_volumes, node - (int64_t)c->corner[3], i, 3,
+                             &all);
   if (PBF_DIM == 3) {
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
+    pbf_pressure_grid_add_cell(c, sums, places, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 4], i, PBF_CORNERS - 4,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
+    pbf_pressure_grid_add_cell(c, sums, places, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 3], i, PBF_CORNERS - 3,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
+    pbf_pressure_grid_add_cell(c, sums, places, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 2], i, PBF_CORNERS - 2,
                                &all);
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes,
+    pbf_pressure_grid_add_cell(c, sums, places, free_volumes,
                                node - (int64_t)c->corner[PBF_CORNERS - 1], i, PBF_CORNERS - 1,
                                &all);
   }
-  pbf_pressure_grid_equation_of(source_scale, &all, depth, right, inverse);
+  pbf_pressure_grid_equation_of(c, source_scale, &all, depth, right, inverse);
 }
 
 /* What is between corners a and b of a cell, in PBF_PRESSURE_GRID_STIFFNESS. */
@@ -124,16 +137,16 @@ PBF_FN double pbf_pressure_grid_end_equation(const pbf_pressure_grid *c,
 PBF_FN void pbf_pressure_grid_equation(const pbf_pressure_grid *c,
                                        const pbf_pressure_grid_topology *t,
                                        const pbf_pressure_grid_source_scale *source_scale,
-                                       const int64_t *sums, const double *free_volumes,
-                                       const double *depths, uint32_t node, double *right,
-                                       double *inverse) {
+                                       const int64_t *sums, const int64_t *places,
+                                       const double *free_volumes, const double *depths,
+                                       uint32_t node, double *right, double *inverse) {
   int i[PBF_DIM];
   *right = *inverse = 0;
   pbf_pressure_grid_place(c, node, i);
   for (int k = 0; k < PBF_DIM; ++k)
     if (i[k] == 0) return;
-  pbf_pressure_grid_equation_at(c, source_scale, sums, free_volumes, depths[node], node, i, right,
-                                inverse);
+  pbf_pressure_grid_equation_at(c, source_scale, sums, places, free_volumes, depths[node], node, i,
+                                right, inverse);
   if (*inverse > 0)
     *inverse = pbf_pressure_grid_end_equation(c, t, free_volumes, depths, node, *inverse);
 }
@@ -142,18 +155,19 @@ PBF_FN void pbf_pressure_grid_equation(const pbf_pressure_grid *c,
 PBF_FN void pbf_pressure_grid_torn_equation(const pbf_pressure_grid *c,
                                             const pbf_pressure_grid_topology *t,
                                             const pbf_pressure_grid_source_scale *source_scale,
-                                            const int64_t *sums, const double *free_volumes,
-                                            const double *depths, uint32_t torn) {
-  pbf_pressure_grid_node_sum all = {0, 0};
+                                            const int64_t *sums, const int64_t *places,
+                                            const double *free_volumes, const double *depths,
+                                            uint32_t torn) {
+  pbf_pressure_grid_node_sum all = {0, 0, 0, 0, 0};
   double surface = 0;
   int i[PBF_DIM];
   pbf_pressure_grid_place(c, t->base[torn], i);
   pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
-    pbf_pressure_grid_add_cell(c, source_scale, sums, free_volumes, compartment, i, a, &all);
+    pbf_pressure_grid_add_cell(c, sums, places, free_volumes, compartment, i, a, &all);
     surface += pbf_pressure_grid_surface_stiffness(c, t, free_volumes, depths, compartment, a);
   });
   const double depth = depths[t->torn_at[torn]];
-  pbf_pressure_grid_equation_of(source_scale, &all, depth, &t->right[torn], &t->inverse[torn]);
+  pbf_pressure_grid_equation_of(c, source_scale, &all, depth, &t->right[torn], &t->inverse[torn]);
   if (t->inverse[torn] > 0)
     t->inverse[torn] = pbf_pressure_grid_with_surface(t->inverse[torn], surface, depth);
 }

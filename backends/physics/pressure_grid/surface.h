@@ -21,6 +21,9 @@ PBF_FN double pbf_pressure_grid_leaning(int64_t count, int64_t places, const dou
   return lean;
 }
 
+/* Nodes with less free volume around them are in solids. */
+#define PBF_PRESSURE_GRID_NO_VOLUME 0.1
+
 /* What of the cells around a node is filled. */
 typedef struct pbf_pressure_grid_filling {
   double filled, free_volume;
@@ -46,16 +49,32 @@ PBF_FN void pbf_pressure_grid_add_filling(const pbf_pressure_grid *c,
 /* How far the node is below the surface, in cells: from -1, above it, to 1. Nodes without a filled
  * cell are in the open. */
 PBF_FN double pbf_pressure_grid_depth(const pbf_pressure_grid_filling *all) {
-  if (all->free_volume < 0.1) return -1;
+  if (all->free_volume < PBF_PRESSURE_GRID_NO_VOLUME) return -1;
   double part = pbf_max(pbf_min(all->filled / all->free_volume, 1), 0);
   double depth = part < 0.5 ? sqrt(2 * part) - 1 : 1 - sqrt(2 - 2 * part);
   return all->any ? depth : pbf_min(depth, 0);
 }
 
-/* Of the i-th node along each axis. */
+PBF_FN int pbf_pressure_grid_is_open(double depth) { return depth < PBF_PRESSURE_GRID_SURFACE; }
+
+/* ---- Cells where fluid ends: they have a node in the open that is no solid's ----------------- */
+
+/* The bit that the sums of a cell's places leave free says so. Nothing else of them changes while
+ * nodes are looked at, so that it does not matter which of several writes last. */
+PBF_FN void pbf_pressure_grid_note_end(int64_t *places) { *places |= INT64_MIN; }
+
+PBF_FN int pbf_pressure_grid_is_end(int64_t places) { return places < 0; }
+
+PBF_FN int pbf_pressure_grid_ends_at(const pbf_pressure_grid_filling *all, double depth) {
+  return all->free_volume >= PBF_PRESSURE_GRID_NO_VOLUME && pbf_pressure_grid_is_open(depth);
+}
+
+/* ---- Nodes ---------------------------------------------------------------------------------- */
+
+/* Of the i-th node along each axis; notes the cells around it where fluid ends. */
 PBF_FN double pbf_pressure_grid_node_depth(const pbf_pressure_grid *c,
                                            const pbf_pressure_grid_topology *t, const int64_t *sums,
-                                           const int64_t *places, const double *free_volumes,
+                                           int64_t *places, const double *free_volumes,
                                            int64_t node, const int i[PBF_DIM]) {
   pbf_pressure_grid_filling all = {0, 0, 0};
   for (int a = 0; a < PBF_CORNERS; ++a) {
@@ -65,13 +84,16 @@ PBF_FN double pbf_pressure_grid_node_depth(const pbf_pressure_grid *c,
     pbf_pressure_grid_add_filling(c, t, (uint32_t)cell, sums[cell], places[cell],
                                   free_volumes[cell], at, a, &all);
   }
-  return pbf_pressure_grid_depth(&all);
+  const double depth = pbf_pressure_grid_depth(&all);
+  for (int a = 0; a < PBF_CORNERS && pbf_pressure_grid_ends_at(&all, depth); ++a)
+    pbf_pressure_grid_note_end(&places[node - (int64_t)c->corner[a]]);
+  return depth;
 }
 
 /* Of a torn node. */
 PBF_FN double pbf_pressure_grid_torn_depth(const pbf_pressure_grid *c,
                                            const pbf_pressure_grid_topology *t, const int64_t *sums,
-                                           const int64_t *places, const double *free_volumes,
+                                           int64_t *places, const double *free_volumes,
                                            uint32_t torn) {
   pbf_pressure_grid_filling all = {0, 0, 0};
   pbf_for_compartments(t, torn, [&](uint32_t compartment, int a) {
@@ -80,10 +102,13 @@ PBF_FN double pbf_pressure_grid_torn_depth(const pbf_pressure_grid *c,
     pbf_pressure_grid_add_filling(c, t, compartment, sums[compartment], places[compartment],
                                   free_volumes[compartment], i, a, &all);
   });
-  return pbf_pressure_grid_depth(&all);
+  const double depth = pbf_pressure_grid_depth(&all);
+  if (pbf_pressure_grid_ends_at(&all, depth))
+    pbf_for_compartments(t, torn, [&](uint32_t compartment, int) {
+      pbf_pressure_grid_note_end(&places[compartment]);
+    });
+  return depth;
 }
-
-PBF_FN int pbf_pressure_grid_is_open(double depth) { return depth < PBF_PRESSURE_GRID_SURFACE; }
 
 /* The slope of lambda below the surface, in depths, by least squares over nodes inside. */
 typedef struct pbf_pressure_grid_slope {
