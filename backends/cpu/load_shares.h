@@ -234,12 +234,12 @@ static void adhesion_task(void *context, uint32_t task) {
 namespace {
 
 /* What the grid's pressure does, in the cells of a task. */
-struct grid_loads {
+struct grid_task_loads {
   const worker *w;
   recent_loads recent;
   grid_load_pass pass;
 
-  grid_loads(const worker *of, const pbf_load_scales *scales)
+  grid_task_loads(const worker *of, const pbf_load_scales *scales)
       : w(of), recent(of, scales), pass{&of->s->pressure_grid,
                                         &of->obstacles,
                                         scales,
@@ -304,7 +304,7 @@ static void grid_loads_task(void *context, uint32_t task) {
   const worker *w = static_cast<const worker *>(context);
   const pbf_load_scales scales = pbf_load_scales_of(&w->constants, &w->forces, &w->s->params);
   const range cells = part_of(w->s->pressure_grid.grid.nodes, task, pair_task_count(w));
-  grid_loads loads(w, &scales);
+  grid_task_loads loads(w, &scales);
   for (uint32_t cell = cells.first; cell < cells.last; ++cell) {
     int i[PBF_DIM];
     if (is_load_cell(w, cell, i)) loads.add(i);
