@@ -115,13 +115,13 @@ struct recent_loads {
   }
 };
 
+}  // namespace
+
 static load_slot recent_slot(void *recent, int solid) {
   recent_loads *loads = static_cast<recent_loads *>(recent);
   const int slot = loads->slot_of(solid);
   return {&loads->sums[slot], &loads->measures[slot]};
 }
-
-}  // namespace
 
 static bool has_grid_pressure(const worker *w) {
   return has_pressure_grid(w) && w->s->schedule.accelerated;

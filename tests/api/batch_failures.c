@@ -81,7 +81,7 @@ static void mistakes_have_sentences(void **state) {
   assert_fails(pbf_batch_step(NULL, NULL, 1), PBF_ERROR_INVALID_ARGUMENT, "batch is null");
   batch = furnished(&desc);
   pbf_batch_info info = {.struct_size = 3};
-  assert_fails(pbf_batch_get_info(batch, NULL), PBF_ERROR_INVALID_ARGUMENT, "batch_info is null");
+  assert_fails(pbf_batch_get_info(batch, NULL), PBF_ERROR_INVALID_ARGUMENT, "info is null");
   assert_fails(pbf_batch_get_info(batch, &info), PBF_ERROR_STRUCT_SIZE, "pbf_batch_info");
   assert_fails(pbf_batch_get_world(batch, WORLDS, &world), PBF_ERROR_NOT_FOUND,
                "world is 5; the batch has 5 worlds");

@@ -72,7 +72,7 @@ static void values_are_distances(void **state) {
   assert_fails(pbf_get_shape_values(shape, nodes, NULL), PBF_ERROR_INVALID_ARGUMENT,
                "values is null");
   assert_fails(pbf_get_shape_values(NULL, nodes, values), PBF_ERROR_INVALID_ARGUMENT,
-               "no shape that lives");
+               "shape is null");
   pbf_release_shape(shape);
   pbf_release_shape(again);
   free(values);
@@ -162,8 +162,7 @@ static void other_bytes_are_refused(void **state) {
   room = size - 1;
   assert_fails(pbf_save_shape(shape, bytes, &room), PBF_ERROR_INVALID_ARGUMENT, "the shape needs");
   assert_fails(pbf_save_shape(shape, bytes, NULL), PBF_ERROR_INVALID_ARGUMENT, "size is null");
-  assert_fails(pbf_save_shape(NULL, bytes, &size), PBF_ERROR_INVALID_ARGUMENT,
-               "no shape that lives");
+  assert_fails(pbf_save_shape(NULL, bytes, &size), PBF_ERROR_INVALID_ARGUMENT, "shape is null");
   pbf_release_shape(shape);
   free(bytes);
 }
