@@ -206,7 +206,9 @@ def damaged_meshes_are_told():
     (WORK / "most.ply").write_bytes(raw_ply(4294967295, 1, "uchar", b"0 0 0\n"))
     refused("most.ply can't be read", "most.ply", "x.pbfshape", "--cell", 0.1)
     (WORK / "more.ply").write_bytes(raw_ply(8000000000, 1, "uchar", b"0 0 0\n"))
-    refused("there is no memory", "more.ply", "x.pbfshape", "--cell", 0.1)
+    # AddressSanitizer ends a program that asks for so much, in place of an exception.
+    watched = b"__asan_init" in BAKE.read_bytes()
+    refused("more.ply can't be read" if watched else "there is no memory", "more.ply", "x.pbfshape", "--cell", 0.1)
     round_ = "".join(f"v {math.cos(i / 3200)} {math.sin(i / 3200)} 0\n" for i in range(20001))
     (WORK / "corners.obj").write_text(round_ + "f " + " ".join(map(str, range(1, 20002))) + "\n")
     refused("has 20001 corners", "corners.obj", "x.pbfshape", "--cell", 0.1)

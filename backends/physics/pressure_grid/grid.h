@@ -239,7 +239,7 @@ PBF_FN uint32_t pbf_pressure_grid_cell(const pbf_pressure_grid *c, pbf_vec x, do
  * error to what is below, less what is allowed for an overlap (passes/overlap.h), which would be
  * thrown apart here as in the iterations. The sum of integers is the same in any order. */
 PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_real overlap) {
-  double error = pbf_min((double)(density - target), 1);
+  double error = pbf_max(pbf_min((double)(density - target), 1), -1);
   if (error > 0) error = pbf_max(error - (double)overlap, 0);
   return ((int64_t)1 << 40) + (int)(error * (1 << 20));
 }
