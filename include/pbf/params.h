@@ -189,10 +189,11 @@ typedef struct pbf_params {
   double drag_velocity[3];
   double max_depenetration_speed; /* length/time, >= 0: what overlaps parts no faster: particles out
                        of colliders that are set, jump or grow faster than that where they are, and
-                       those that are placed upon others. With PBF_COLLIDE_AFTER_PREDICTION, which
-                       it needs. 0, the default: sqrt(|gravity| h), the speed of a fall by h/2;
-                       without gravity as attraction makes it over the domain, without that too h /
-                       100 a step */
+                       those that are placed upon others. With PBF_COLLIDE_AFTER_PREDICTION and
+                       PBF_SOLVER_CHEBYSHEV, which it needs: PBF_SOLVER_JACOBI throws what
+                       overlaps at its way over time_step. 0, the default: sqrt(|gravity| h), the
+                       speed of a fall by h/2; without gravity as attraction makes it over the
+                       domain, without that too h / 100 a step */
   uint32_t max_substeps; /* up to so many parts, at most 1000, the library divides a step into that
                             is longer than pbf_get_step_limit: as few and equal ones as bring it
                             below that, found anew for each step from the state at its begin alone.
