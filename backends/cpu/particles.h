@@ -6,13 +6,19 @@
 #include "cpu/worker.h"
 #include "physics/passes/lambda.h"
 
+static void append_vectors(const field *to, uint32_t first, const pbf_real *from, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t k = 0; k < PBF_DIM; ++k) to->c[k][first + i] = from[(uint64_t)i * PBF_DIM + k];
+}
+
 static void append(solver *s, const pbf_particles *p) {
   const pbf_real *x = (const pbf_real *)p->positions, *v = (const pbf_real *)p->velocities;
-  for (int k = 0; k < PBF_DIM; ++k)
-    for (uint32_t i = 0; i < p->count; ++i) {
-      s->buffers.x.c[k][s->count + i] = x[(uint64_t)i * PBF_DIM + (uint32_t)k];
-      s->buffers.v.c[k][s->count + i] = v ? v[(uint64_t)i * PBF_DIM + (uint32_t)k] : 0;
-    }
+  append_vectors(&s->buffers.x, s->count, x, p->count);
+  if (v)
+    append_vectors(&s->buffers.v, s->count, v, p->count);
+  else
+    for (int k = 0; k < PBF_DIM; ++k)
+      memset(s->buffers.v.c[k] + s->count, 0, p->count * sizeof(pbf_real));
   memcpy(s->buffers.ids + s->count, p->ids, p->count * sizeof *p->ids);
   memset(s->lambda + s->count, 0, p->count * sizeof *s->lambda);
   if (s->last_pressure) memset(s->last_pressure + s->count, 0, p->count * sizeof(pbf_real));

@@ -14,11 +14,6 @@
 #include "solver/solver_time.h"
 #include "text.h"
 
-double pbf_value_at(const void *values, uint64_t index, uint32_t precision) {
-  return precision == PBF_FLOAT32 ? (double)((const float *)values)[index]
-                                  : ((const double *)values)[index];
-}
-
 pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t stride,
                                    uint64_t least, uint32_t element_size) {
   char name[16];
@@ -31,10 +26,52 @@ pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t 
   return pbf_check_pointer(name, data, element_size);
 }
 
+/* Bounds of numbers that recur: axes in turn, of rows in 2D as in 3D. */
+enum { RECURRENCE = 12 };
+typedef struct bounds {
+  double lower[RECURRENCE], upper[RECURRENCE];
+} bounds;
+
+/* 1 where each of so many, a multiple of RECURRENCE, is between its bounds; NaN is not. Without
+ * branches, as vectors. */
+static int are_singles_between(const bounds *b, const float *values, uint64_t count) {
+  float lower[RECURRENCE], upper[RECURRENCE];
+  int32_t outside[RECURRENCE] = {0}, any = 0;
+  for (uint32_t k = 0; k < RECURRENCE; ++k) {
+    lower[k] = (float)fmax(b->lower[k], -FLT_MAX);
+    upper[k] = (float)fmin(b->upper[k], FLT_MAX);
+  }
+  for (uint64_t i = 0; i < count; i += RECURRENCE)
+    for (uint32_t k = 0; k < RECURRENCE; ++k)
+      outside[k] |= !(values[i + k] >= lower[k]) | !(values[i + k] <= upper[k]);
+  for (uint32_t k = 0; k < RECURRENCE; ++k) any |= outside[k];
+  return !any;
+}
+
+static int are_doubles_between(const bounds *b, const double *values, uint64_t count) {
+  int64_t outside[RECURRENCE] = {0}, any = 0;
+  for (uint64_t i = 0; i < count; i += RECURRENCE)
+    for (uint32_t k = 0; k < RECURRENCE; ++k)
+      outside[k] |= !(values[i + k] >= b->lower[k]) | !(values[i + k] <= b->upper[k]);
+  for (uint32_t k = 0; k < RECURRENCE; ++k) any |= outside[k];
+  return !any;
+}
+
+/* How many of the first are known to be between their bounds: all but a few, or none. */
+static uint64_t known_between(const pbf_solver *solver, const bounds *b, const void *values,
+                              uint64_t count) {
+  const uint64_t most = count - count % RECURRENCE;
+  const int are = solver->kind.precision == PBF_FLOAT32 ? are_singles_between(b, values, most)
+                                                        : are_doubles_between(b, values, most);
+  return are ? most : 0;
+}
+
 /* `count` where all are at most that in size; NaN is not. */
 static uint64_t first_beyond(const pbf_solver *solver, double most, const void *values,
                              uint64_t count) {
-  uint64_t i = 0;
+  bounds b;
+  for (uint32_t k = 0; k < RECURRENCE; ++k) b.lower[k] = -most, b.upper[k] = most;
+  uint64_t i = known_between(solver, &b, values, count);
   while (i < count && fabs(pbf_value_at(values, i, solver->kind.precision)) <= most) ++i;
   return i;
 }
@@ -79,15 +116,11 @@ static int digits_of(double number, uint32_t precision) {
   return digits;
 }
 
-pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
-                                      uint32_t count, uint32_t first_row) {
-  pbf_status status = pbf_values_check_finite(solver, "positions", positions, count, first_row);
-  if (status != PBF_OK) return status;
-  uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
-  pbf_box box = pbf_params_box(&solver->params, dimension, pbf_solver_time(solver));
+static pbf_status refuse_outside(const pbf_solver *solver, const bounds *b, const void *positions,
+                                 uint32_t count, uint32_t first_row) {
+  const uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
   for (uint32_t axis = 0; axis < dimension; ++axis) {
-    double lower = as_stored(box.lower[axis], precision);
-    double upper = as_stored(box.upper[axis], precision);
+    const double lower = b->lower[axis], upper = b->upper[axis];
     for (uint32_t row = 0; row < count; ++row) {
       double x = pbf_value_at(positions, (uint64_t)row * dimension + axis, precision);
       if (x >= lower && x <= upper) continue;
@@ -98,4 +131,24 @@ pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *posi
     }
   }
   return PBF_OK;
+}
+
+/* What is inside the domain is finite, unless walls have moved beyond that. */
+pbf_status pbf_values_check_positions(const pbf_solver *solver, const void *positions,
+                                      uint32_t count, uint32_t first_row) {
+  const uint32_t dimension = solver->kind.dimension, precision = solver->kind.precision;
+  const pbf_box box = pbf_params_box(&solver->params, dimension, pbf_solver_time(solver));
+  bounds b;
+  for (uint32_t k = 0; k < RECURRENCE; ++k) {
+    b.lower[k] = fmax(as_stored(box.lower[k % dimension], precision), -pbf_check_most);
+    b.upper[k] = fmin(as_stored(box.upper[k % dimension], precision), pbf_check_most);
+  }
+  const uint32_t known =
+      (uint32_t)known_between(solver, &b, positions, (uint64_t)count * dimension) / dimension;
+  const void *rest = (const char *)positions + known * pbf_point_bytes(solver);
+  if (known == count) return PBF_OK;
+  pbf_status status =
+      pbf_values_check_finite(solver, "positions", rest, count - known, first_row + known);
+  if (status == PBF_OK) status = refuse_outside(solver, &b, rest, count - known, first_row + known);
+  return status;
 }

@@ -4,8 +4,8 @@
 #include "diffuse/diffuse.h"
 #include "emission/saved.h"
 #include "check.h"
+#include "checksum.h"
 #include "error.h"
-#include "fnv.h"
 #include "memory.h"
 #include "particles/accelerations.h"
 #include "particles/particles.h"
@@ -50,9 +50,10 @@ static void put(void *buffer, uint64_t offset, const void *data, uint64_t size) 
   if (size) memcpy((unsigned char *)buffer + offset, data, size);
 }
 
-/* By way of aligned memory: the caller's buffer need not be aligned. */
+/* By way of aligned memory where the caller's buffer is not; else `scratch` is null. */
 static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, void *buffer,
                              uint64_t offset, uint64_t bytes) {
+  if (!scratch) return pbf_read_all(solver, field, (unsigned char *)buffer + offset);
   pbf_status status = pbf_read_all(solver, field, scratch);
   if (status == PBF_OK) put(buffer, offset, scratch, bytes);
   return status;
@@ -60,15 +61,17 @@ static pbf_status read_field(pbf_solver *solver, uint32_t field, void *scratch, 
 
 static pbf_status write_particles(pbf_solver *solver, const pbf_snapshot_header *header,
                                   const pbf_snapshot_layout *layout, void *buffer) {
-  void *scratch;
+  const int is_aligned = (uintptr_t)buffer % pbf_element_size(solver) == 0;
+  void *scratch = NULL;
   uint64_t bytes = pbf_snapshot_field_bytes(header), scratch_bytes = bytes, kept[PBF_KEPT_COUNT];
   if (solver->count == 0) return PBF_OK;
   for (int k = 0; k < PBF_KEPT_COUNT; ++k) {
     kept[k] = pbf_snapshot_kept_bytes(header, (pbf_kept)k);
     scratch_bytes = kept[k] > scratch_bytes ? kept[k] : scratch_bytes;
   }
-  pbf_status status =
-      pbf_memory_allocate(&solver->allocator, scratch_bytes, "a copy to save", &scratch);
+  pbf_status status = PBF_OK;
+  if (!is_aligned)
+    status = pbf_memory_allocate(&solver->allocator, scratch_bytes, "a copy to save", &scratch);
   if (status != PBF_OK) return status;
   status = read_field(solver, PBF_FIELD_POSITION, scratch, buffer, layout->positions, bytes);
   if (status == PBF_OK)
@@ -99,9 +102,18 @@ static void put_marks(const pbf_solver *solver, uint64_t offset, void *buffer) {
   put(buffer, offset + bytes, shifted.more, bytes);
 }
 
+/* All but the arrays of particles, of which each may leave a gap before the next section. */
+static void clear(const pbf_snapshot_layout *layout, unsigned char *buffer) {
+  const uint64_t word = sizeof(uint64_t);
+  memset(buffer, 0, layout->positions);
+  memset(buffer + layout->velocities - word, 0, word);
+  for (int k = 0; k < PBF_KEPT_COUNT; ++k) memset(buffer + layout->kept[k] - word, 0, word);
+  memset(buffer + layout->emission - word, 0, layout->size - layout->emission + word);
+}
+
 static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *header, void *buffer) {
   pbf_snapshot_layout layout = pbf_snapshot_layout_of(header);
-  memset(buffer, 0, layout.size);
+  clear(&layout, buffer);
   put(buffer, 0, header, sizeof *header);
   put(buffer, layout.params, &solver->params, sizeof solver->params);
   put_colliders(solver, layout.colliders, buffer);
@@ -113,7 +125,7 @@ static pbf_status write_state(pbf_solver *solver, const pbf_snapshot_header *hea
   if (header->diffuse > 0) pbf_diffuse_save(solver, (unsigned char *)buffer + layout.diffuse);
   put(buffer, layout.accelerations, solver->accelerations, pbf_snapshot_acceleration_bytes(header));
   pbf_status status = write_particles(solver, header, &layout, buffer);
-  uint64_t checksum = pbf_fnv(PBF_FNV_START, buffer, layout.checksum);
+  uint64_t checksum = pbf_checksum(buffer, layout.checksum);
   put(buffer, layout.checksum, &checksum, sizeof checksum);
   return status;
 }

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "checksum.h"
 #include "collider.h"
 #include "emission/saved.h"
 #include "error.h"
-#include "fnv.h"
 #include "memory.h"
 #include "params.h"
 #include "particles/accelerations.h"
@@ -78,7 +78,7 @@ static pbf_status check_envelope(const pbf_solver *solver, const void *buffer, u
   in->buffer = buffer;
   in->layout = pbf_snapshot_layout_of(&in->header);
   memcpy(&checksum, in->buffer + in->layout.checksum, sizeof checksum);
-  if (pbf_fnv(PBF_FNV_START, buffer, in->layout.checksum) != checksum)
+  if (pbf_checksum(buffer, in->layout.checksum) != checksum)
     return reject("is damaged: its checksum does not fit");
   status = pbf_colliders_check_count(solver, in->header.collider_count);
   if (status != PBF_OK) return status;

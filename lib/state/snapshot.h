@@ -3,7 +3,7 @@
  *   which have been shifted alike | ids, unless they are 0 … count - 1 | positions | velocities |
  *   what the backend keeps of each particle in some scenes (kept.h) | emitters, drains, lifetimes,
  *   if any | phases, if any | spray,
- *   foam and bubbles, if any | accelerations, if any | FNV-1a over all before it
+ *   foam and bubbles, if any | accelerations, if any | checksum.h's checksum of all before it
  * Structs are stored as they are in memory, with their sizes, by the same rules as across the API.
  */
 #ifndef PBF_LIB_STATE_SNAPSHOT_H
@@ -18,7 +18,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 #define PBF_SNAPSHOT_MAGIC \
   { 'P', 'B', 'F', 'S', 'T', 'A', 'T', 'E' }
 
-enum { PBF_SNAPSHOT_VERSION = 11 };
+enum { PBF_SNAPSHOT_VERSION = 12 };
 
 typedef struct pbf_snapshot_header {
   char magic[8];

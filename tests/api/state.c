@@ -108,7 +108,13 @@ static void room_for_saving(void **state) {
   assert_int_equal(room, size);
   assert_int_equal(buffer[0], 0xee);
   assert_int_equal(buffer[size + 1], 0xee);
+  void *saved = test_save(s, &size); /* gaps between what is saved are 0 */
+  assert_memory_equal(saved, buffer + 1, size);
+  memset(saved, 0xee, size);
+  assert_ok(pbf_save(s, saved, &size));
+  assert_memory_equal(saved, buffer + 1, size);
   assert_ok(pbf_load(s, buffer + 1, size));
+  free(saved);
   free(buffer);
   pbf_destroy(s);
 }
@@ -144,6 +150,12 @@ static void every_byte_flipped(void **state) {
     saved[i] ^= 0x41;
     assert_fails(pbf_load(b, saved, size), PBF_ERROR_DATA, "the saved state");
     saved[i] ^= 0x41;
+  }
+  /* So are two signs, of the last velocity and of one before it. */
+  for (uint64_t last = size - 1 - 8 - (test_is_stub() ? 0 : 2 * 27 * 8), i = 1; i <= 8; ++i) {
+    saved[last] ^= 0x80, saved[last - 8 * i] ^= 0x80;
+    assert_fails(pbf_load(b, saved, size), PBF_ERROR_DATA, "its checksum");
+    saved[last] ^= 0x80, saved[last - 8 * i] ^= 0x80;
   }
   assert_int_equal(test_hash(b), before);
   assert_ok(pbf_load(b, saved, size));
@@ -197,7 +209,7 @@ static void forged_headers(void **state) {
       {AT_VERSION, 4, 1},          {AT_COUNT, 4, 26},          {AT_COUNT, 4, 0xffffffffu},
       {AT_COLLIDERS, 4, 0},        {AT_COLLIDERS, 4, 4000000}, {AT_HAS_IDS, 4, 0},
       {AT_HAS_IDS, 4, 2},          {AT_NEXT_ID, 8, 5},         {AT_NEXT_ID, 8, 28},
-      {AT_NEXT_ID, 8, UINT64_MAX}, {AT_VERSION, 4, 10},        {AT_VERSION, 4, 12},
+      {AT_NEXT_ID, 8, UINT64_MAX}, {AT_VERSION, 4, 11},        {AT_VERSION, 4, 13},
       {AT_RESERVED, 4, 1},
   };
   for (size_t i = 0; i < sizeof forgeries / sizeof forgeries[0]; ++i) {

@@ -142,6 +142,39 @@ static void sentences_have_the_number_given(void **state) {
   pbf_destroy(twofold);
 }
 
+/* Whichever of many it is, and on whichever axis: they are looked at many at once. */
+static void one_of_many_is_outside(uint32_t dimension, uint32_t precision) {
+  enum { MANY = 13 }; /* no whole number of vectors */
+  static const double outside[] = {-0.125, 0.125, NAN};
+  double x[MANY * 3];
+  float single[MANY * 3];
+  char named[40];
+  pbf_params params = {.struct_size = sizeof params};
+  pbf_solver *s = test_filled(dimension, precision, MANY, MANY);
+  assert_ok(pbf_get_params(s, &params));
+  for (int axis = 0; axis < 3; ++axis) params.domain_max[axis] = 1 + axis;
+  assert_ok(pbf_set_params(s, &params));
+  const void *given = precision == PBF_FLOAT32 ? (void *)single : (void *)x;
+  for (uint32_t k = 0; k < MANY * dimension; ++k) x[k] = 1 + k % dimension;
+  for (uint32_t at = 0; at < MANY * dimension; ++at)
+    for (int which = 0; which < 3; ++which) {
+      const double inside = x[at];
+      x[at] = outside[which] + (which == 1 ? inside : 0);
+      for (uint32_t k = 0; k < MANY * dimension; ++k) single[k] = (float)x[k];
+      snprintf(named, sizeof named, "positions[%u][%u] is ", at / dimension, at % dimension);
+      assert_fails(pbf_set_positions(s, 0, MANY, given), PBF_ERROR_INVALID_ARGUMENT, named);
+      x[at] = inside;
+    }
+  for (uint32_t k = 0; k < MANY * dimension; ++k) single[k] = (float)x[k];
+  assert_ok(pbf_set_positions(s, 0, MANY, given));
+  pbf_destroy(s);
+}
+
+static void one_of_many(void **state) {
+  (void)state;
+  test_for_each_kind(one_of_many_is_outside);
+}
+
 /* Of a GPU, where the solver is on a CPU; on a GPU the host's. */
 static void memory_of_another_device(void **state) {
   float x[3 * SOME] = {0};
@@ -180,6 +213,7 @@ int main(void) {
       cmocka_unit_test(layouts),
       cmocka_unit_test(bad_input_leaves_the_state),
       cmocka_unit_test(sentences_have_the_number_given),
+      cmocka_unit_test(one_of_many),
       cmocka_unit_test(memory_of_another_device),
   };
   return TEST_RUN(tests);

@@ -55,11 +55,20 @@ static inline double number_at(const void *array, size_t index, uint32_t precisi
                                   : (double)((const float *)array)[index];
 }
 
-/* FNV-1a, as at the end of a saved state. */
+static inline uint64_t checksum_with(uint64_t sum, uint64_t word) {
+  sum = (sum ^ word) * UINT64_C(0x9e3779b97f4a7c15);
+  return sum ^ sum >> 32;
+}
+
+/* As at the end of a saved state; what is no whole word is left out. */
 static inline uint64_t checksum_of(const unsigned char *bytes, size_t size) {
-  uint64_t hash = UINT64_C(0xcbf29ce484222325);
-  for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
-  return hash;
+  uint64_t sums[4] = {1, 2, 3, 4}, word;
+  for (size_t i = 0; i + sizeof word <= size; i += sizeof word) {
+    memcpy(&word, bytes + i, sizeof word);
+    sums[i / 8 % 4] = checksum_with(sums[i / 8 % 4], word);
+  }
+  for (int k = 1; k < 4; ++k) sums[0] = checksum_with(sums[0], sums[k]);
+  return sums[0];
 }
 
 #endif

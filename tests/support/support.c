@@ -268,9 +268,19 @@ void *test_save(pbf_solver *solver, uint64_t *size) {
   return state;
 }
 
+static uint64_t with_word(uint64_t sum, uint64_t word) {
+  sum = (sum ^ word) * UINT64_C(0x9e3779b97f4a7c15);
+  return sum ^ sum >> 32;
+}
+
 void test_seal(void *state, uint64_t size) {
-  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  uint64_t sums[4] = {1, 2, 3, 4};
   const unsigned char *bytes = state;
-  for (uint64_t i = 0; i < size - 8; ++i) hash = (hash ^ bytes[i]) * UINT64_C(0x100000001b3);
-  memcpy((unsigned char *)state + size - 8, &hash, sizeof hash);
+  for (uint64_t i = 0; i + 8 < size; i += 8) {
+    uint64_t word = 0;
+    memcpy(&word, bytes + i, size - 8 - i < 8 ? size - 8 - i : 8);
+    sums[i / 8 % 4] = with_word(sums[i / 8 % 4], word);
+  }
+  for (int k = 1; k < 4; ++k) sums[0] = with_word(sums[0], sums[k]);
+  memcpy((unsigned char *)state + size - 8, &sums[0], sizeof sums[0]);
 }
