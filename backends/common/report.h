@@ -7,7 +7,8 @@
 #include "physics/real.h"
 #include "physics/schedule.h"
 
-/* Adds one of stats->count particles; `first` is 1 for the first of them. */
+/* Adds one of stats->count particles; `first` is 1 for the first of them. Until pbf_stats_finish,
+ * speed_max is a square. NaN is no maximum. */
 static inline void pbf_stats_add(pbf_stats *stats, int first, pbf_vec position, pbf_vec velocity,
                                  double density, uint32_t neighbors) {
   double v2 = 0;
@@ -20,10 +21,10 @@ static inline void pbf_stats_add(pbf_stats *stats, int first, pbf_vec position, 
     v2 += v * v;
   }
   stats->kinetic_energy += 0.5 * v2;
-  stats->speed_max = fmax(stats->speed_max, sqrt(v2));
+  stats->speed_max = pbf_max(v2, stats->speed_max);
   stats->density_mean += density;
-  stats->density_error_mean += fmax(density - 1, 0);
-  stats->density_error_max = fmax(stats->density_error_max, density - 1);
+  stats->density_error_mean += pbf_max(density - 1, 0);
+  stats->density_error_max = pbf_max(density - 1, stats->density_error_max);
   stats->neighbors_mean += neighbors;
   if (neighbors > stats->neighbors_max) stats->neighbors_max = neighbors;
 }
@@ -36,6 +37,7 @@ static inline void pbf_stats_finish(pbf_stats *stats) {
     stats->momentum[k] *= per_particle;
   }
   stats->kinetic_energy *= per_particle;
+  stats->speed_max = sqrt(stats->speed_max);
   stats->density_mean *= per_particle;
   stats->density_error_mean *= per_particle;
   stats->neighbors_mean *= per_particle;

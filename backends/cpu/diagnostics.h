@@ -93,20 +93,22 @@ static int diagnose(solver *s, team_function what) {
 
 /* The skin of a collider is a small part of how far away places may ask. */
 static bool is_squeezed(const pbf_obstacles &o, pbf_vec x) {
-  return pbf_is_squeezed_by(pbf_obstacles_near(o, x, 0), x);
+  return pbf_surface_count(o) && pbf_is_squeezed_by(pbf_obstacles_near(o, x, 0), x);
 }
 
 /* After diagnose: sums in the sorted order, which no number of threads changes. */
 static void sum_stats(solver *s, pbf_stats *stats) {
   pbf_obstacles obstacles;
+  pbf_stats sums = *stats; /* of which no number read can be a part */
   place_obstacles(s, s->now, &obstacles);
   for (uint32_t k = 0; k < s->count; ++k) {
-    uint32_t i = s->order[k];
-    pbf_stats_add(stats, k == 0, field_at(&s->buffers.x, i), field_at(&s->buffers.v, i),
+    const pbf_vec x = field_at(&s->buffers.sorted_x(), k);
+    pbf_stats_add(&sums, k == 0, x, field_at(&s->buffers.v, s->order[k]),
                   (double)diagnosed_densities(s)[k], neighbor_counts(s)[k]);
-    stats->squeezed += is_squeezed(obstacles, field_at(&s->buffers.x, i));
+    sums.squeezed += is_squeezed(obstacles, x);
   }
-  if (s->count) pbf_stats_finish(stats);
+  if (s->count) pbf_stats_finish(&sums);
+  *stats = sums;
 }
 
 /* The same sums on ranks, each of which adds its own particles to what those before it have. */

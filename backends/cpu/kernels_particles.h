@@ -133,11 +133,28 @@ static void residual_density(const pbf_constants *constants, pbf_real *density, 
   for (uint32_t i = first; i < last; ++i) density[i] = pbf_residual_density(&c, density[i]);
 }
 
-/* NaN leaves the bounds as they are. */
+/* NaN leaves the bounds as they are. Lower ones are the greatest of the opposite numbers. */
 static void bounds(field x, uint32_t first, uint32_t last, pbf_vec *lower, pbf_vec *upper) {
+  const uint32_t whole = last - (last - first) % WIDTH;
+  lane_vector<lane> below, above;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    below.c[k] = ops<lane>::set(-lower->c[k]);
+    above.c[k] = ops<lane>::set(upper->c[k]);
+  }
+  for (uint32_t i = first; i < whole; i += WIDTH)
+    for (int k = 0; k < PBF_DIM; ++k) {
+      const lane at = lane_load(x.c[k] + i);
+      below.c[k] = ops<lane>::max(-at, below.c[k]);
+      above.c[k] = ops<lane>::max(at, above.c[k]);
+    }
+  const lane_values opposite = values_of(below), highs = values_of(above);
   for (int k = 0; k < PBF_DIM; ++k) {
     pbf_real low = lower->c[k], high = upper->c[k];
-    for (uint32_t i = first; i < last; ++i) {
+    for (uint32_t l = 0; l < WIDTH; ++l) {
+      low = pbf_real_min(-opposite.c[k][l], low);
+      high = pbf_real_max(highs.c[k][l], high);
+    }
+    for (uint32_t i = whole; i < last; ++i) {
       low = pbf_real_min(x.c[k][i], low);
       high = pbf_real_max(x.c[k][i], high);
     }

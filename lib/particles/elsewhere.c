@@ -8,13 +8,12 @@
 #include "solver/solver_time.h"
 #include "values.h"
 
-static double way2_of(const pbf_solver *solver, const pbf_set_rows *rows, uint32_t row) {
-  const pbf_check_kind *kind = &solver->kind;
+static inline double way2_of(pbf_check_kind kind, const pbf_set_rows *rows, uint32_t row) {
   double way2 = 0;
-  for (uint32_t k = 0; k < kind->dimension; ++k) {
-    const uint64_t at = (uint64_t)row * kind->dimension + k;
-    const double way = pbf_value_at(rows->positions, at, kind->precision) -
-                       pbf_value_at(rows->before, at, kind->precision) - rows->shift[k];
+  for (uint32_t k = 0; k < kind.dimension; ++k) {
+    const uint64_t at = (uint64_t)row * kind.dimension + k;
+    const double way = pbf_value_at(rows->positions, at, kind.precision) -
+                       pbf_value_at(rows->before, at, kind.precision) - rows->shift[k];
     way2 += way * way;
   }
   return way2;
@@ -27,12 +26,12 @@ static double most_pushed2(const pbf_solver *solver) {
 }
 
 /* How many rows lie between the first and the last that goes elsewhere. */
-static uint32_t find_among(const pbf_solver *solver, const pbf_set_rows *rows, uint32_t *first) {
-  const double most2 = most_pushed2(solver);
+static inline uint32_t find_among(pbf_check_kind kind, const pbf_set_rows *rows, double most2,
+                                  uint32_t *first) {
   uint32_t end = 0;
   *first = rows->count;
   for (uint32_t row = 0; row < rows->count; ++row) {
-    if (way2_of(solver, rows, row) <= most2) continue;
+    if (way2_of(kind, rows, row) <= most2) continue;
     if (end == 0) *first = row;
     end = row + 1;
   }
@@ -54,14 +53,15 @@ static pbf_status tell(pbf_solver *solver, const pbf_set_rows *rows, uint32_t fi
   pbf_status status = api->read(solver->backend, PBF_BACKEND_FIELD_OVERLAP, &among, overlaps);
   if (status != PBF_OK) return pbf_backend_result(solver, status, "read");
   for (uint32_t i = 0; i < count; ++i)
-    if (way2_of(solver, rows, first + i) > most2) put_placed(solver, overlaps, i);
+    if (way2_of(solver->kind, rows, first + i) > most2) put_placed(solver, overlaps, i);
   status = api->write(solver->backend, PBF_BACKEND_FIELD_OVERLAP, &among, overlaps);
   return pbf_backend_result(solver, status, "write");
 }
 
 pbf_status pbf_elsewhere_note(pbf_solver *solver, const pbf_set_rows *rows) {
   uint32_t first;
-  const uint32_t count = find_among(solver, rows, &first);
+  const double most2 = most_pushed2(solver);
+  const uint32_t count = PBF_OF_KIND(solver->kind, find_among, rows, most2, &first);
   if (count == 0 || !pbf_overlap_can_be_found(solver)) return PBF_OK;
   const uint64_t bytes = (uint64_t)count * pbf_element_size(solver);
   void *overlaps;

@@ -21,6 +21,14 @@ static inline double pbf_value_at(const void *values, uint64_t index, uint32_t p
                                   : ((const double *)values)[index];
 }
 
+/* function(kind, …), an inline function over many rows, compiled for each kind of solver. */
+#define PBF_OF_KIND(kind, function, ...)                                                           \
+  ((kind).precision == PBF_FLOAT32 ? (kind).dimension == 3                                         \
+                                         ? function((pbf_check_kind){3, PBF_FLOAT32}, __VA_ARGS__) \
+                                         : function((pbf_check_kind){2, PBF_FLOAT32}, __VA_ARGS__) \
+   : (kind).dimension == 3 ? function((pbf_check_kind){3, PBF_FLOAT64}, __VA_ARGS__)               \
+                                   : function((pbf_check_kind){2, PBF_FLOAT64}, __VA_ARGS__))
+
 /* Where rows of `least` bytes lie in the caller's array: `call`.data and .stride, which 0 stands
  * for no gap. */
 pbf_status pbf_values_check_layout(const char *call, const void *data, uint64_t stride,
