@@ -37,6 +37,10 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
   for (uint32_t i = 0; i < s->count; ++i) {
     if (i == s->grid_pressure_pending) pending = kept;
     if (pbf_id_row(&removed, b->ids[i]) < count) continue;
+    if (kept == i) { /* before the first that is removed */
+      ++kept;
+      continue;
+    }
     field_set(&b->x, kept, field_at(&b->x, i));
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
