@@ -44,7 +44,10 @@ static void remove_by_id(solver *s, uint32_t count, const uint32_t *ids) {
     field_set(&b->x, kept, field_at(&b->x, i));
     field_set(&b->v, kept, field_at(&b->v, i));
     s->lambda[kept] = s->lambda[i];
-    if (b->activity) b->activity[kept] = b->activity[i];
+    if (b->activity) {
+      b->activity[kept] = b->activity[i];
+      b->sleeping_lambda[kept] = b->sleeping_lambda[i];
+    }
     if (s->last_pressure) s->last_pressure[kept] = s->last_pressure[i];
     if (b->overlap) b->overlap[kept] = b->overlap[i];
     if (b->acceleration.c[0]) field_set(&b->acceleration, kept, field_at(&b->acceleration, i));

@@ -100,7 +100,10 @@ static pbf_status remove_particles(solver *s, uint32_t count, const uint32_t *id
     s->x[kept] = s->x[i];
     s->v[kept] = s->v[i];
     s->lambda[kept] = s->lambda[i];
-    if (sleeps(s)) s->activity[kept] = s->activity[i];
+    if (sleeps(s)) {
+      s->activity[kept] = s->activity[i];
+      s->held[kept] = s->held[i];
+    }
     if (s->last_pressure) s->last_pressure[kept] = s->last_pressure[i];
     if (s->overlap) s->overlap[kept] = s->overlap[i];
     if (s->acceleration) s->acceleration[kept] = s->acceleration[i];
