@@ -14,11 +14,13 @@ if(NOT EMSCRIPTEN) # whose static module lies where it is linked
 endif()
 # Where a project that has pbf as a part, or a builder's flags, ask for what it can't bear: several files define functions of the
 # same name, and libm is no target. Under -ffast-math bits differ and NaNs pass for numbers; linked with it by GCC before 13, a
-# library flushes subnormal numbers in all programs that load it.
+# library flushes subnormal numbers in all programs that load it. Contraction is off first of all: clang warns where -fno-fast-math
+# is what ends it, and a project's -Werror makes that an error.
 set(CMAKE_UNITY_BUILD OFF)
 set(CMAKE_LINK_LIBRARIES_ONLY_TARGETS OFF)
 add_compile_options(
-  "$<$<COMPILE_LANGUAGE:C,CXX>:-fno-fast-math;-fno-finite-math-only;-fno-associative-math;-fno-reciprocal-math;-fsigned-zeros>")
+  "$<$<COMPILE_LANGUAGE:C,CXX>:SHELL:-ffp-contract=off -fno-fast-math>"
+  "$<$<COMPILE_LANGUAGE:C,CXX>:-fno-finite-math-only;-fno-associative-math;-fno-reciprocal-math;-fsigned-zeros>")
 add_link_options("$<$<LINK_LANGUAGE:C,CXX>:-fno-fast-math;-fno-unsafe-math-optimizations>")
 foreach(language C CXX)
   set(CMAKE_${language}_FLAGS_RELEASE "-O3")
