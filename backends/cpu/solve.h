@@ -119,9 +119,10 @@ static bool only_particles_are_placed(const solver *s) {
 }
 
 /* Whether some of a group have been placed, or one that has may be near them: what is allowed for
- * of others does not change then. */
+ * of others does not change then. Nor of those that only sleep, which have no neighbours listed. */
 static bool placed_reach_group(const worker *w, const pair_pass *pairs, uint32_t g) {
   const range r = particles_of(w, {g, g + 1});
+  if (solving_groups(w, g, g + 1).first > g) return false;
   for (uint32_t i = r.first; i < r.last; ++i)
     if (w->b.is_placed()[i] != 0) return true;
   return w->s->kernels->any_number_around(pairs, w->b.is_placed(), g);

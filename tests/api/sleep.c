@@ -224,6 +224,34 @@ static void an_impact_wakes(void **state) {
   pbf_destroy(s);
 }
 
+/* Drops that fall onto a wide pool, of which most sleeps on: what sleeps has no neighbours listed,
+ * and where particles have been placed is asked of all others. */
+static void rain_falls_on_sleepers(void **state) {
+  (void)state;
+  enum { WIDE = 40, DROPS = 16, ROUNDS = 6 };
+  float x[2 * WIDE * HIGH];
+  pbf_params params = sleepy();
+  pbf_desc desc = test_desc(2, PBF_FLOAT32, WIDE * HIGH + DROPS * ROUNDS);
+  params.domain_max[0] = 0.05 * WIDE;
+  pbf_solver *s = test_create(&desc, &params);
+  for (uint32_t i = 0; i < WIDE * HIGH; ++i) {
+    x[2 * i] = 0.025f + 0.05f * (float)(i / HIGH);
+    x[2 * i + 1] = 0.025f + 0.05f * (float)(i % HIGH);
+  }
+  assert_ok(pbf_add_particles(s, WIDE * HIGH, x, NULL, NULL));
+  until_asleep(s, WIDE * HIGH);
+  for (uint32_t round = 0; round < ROUNDS; ++round) {
+    for (uint32_t i = 0; i < DROPS; ++i) {
+      x[2 * i] = 0.05f + 0.002f * (float)((i * 37 + round * 11) % DROPS);
+      x[2 * i + 1] = 0.5f + 0.02f * (float)(i % 5);
+    }
+    assert_ok(pbf_add_particles(s, DROPS, x, NULL, NULL));
+    assert_ok(pbf_step(s, 1 + round % 2));
+    assert_in_range(asleep_in(s), WIDE * HIGH / 2, WIDE * HIGH);
+  }
+  pbf_destroy(s);
+}
+
 static void removing_and_setting_wake(void **state) {
   (void)state;
   uint32_t count = particles_in(3);
@@ -567,6 +595,7 @@ int main(void) {
       cmocka_unit_test(changed_parameters_wake),
       cmocka_unit_test(waking_is_no_push),
       cmocka_unit_test(an_impact_wakes),
+      cmocka_unit_test(rain_falls_on_sleepers),
       cmocka_unit_test(removing_and_setting_wake),
       cmocka_unit_test(a_moving_collider_wakes),
       cmocka_unit_test(a_moving_wall_wakes),
