@@ -175,7 +175,7 @@ struct optional_array {
   const char *name;
   bool wanted;
 
-  /* Takes or releases it; false when there is no memory. */
+  /* Takes or releases it, as `wanted` says; false when there is no memory. */
   template <class Element>
   bool keep(Element **array, extent e) const {
     return pbf_memory_keep(&s->memory, wanted && e.count, name, e.count, e.front, array);
@@ -201,12 +201,17 @@ struct optional_array {
 
 }  // namespace
 
+/* What is not wanted any more goes only once there is all that is: where there is not, the scene
+ * stays as it was, with what is in its arrays. */
 static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+  for (int take = 1; take >= 0; --take) {
 #define PBF_ARRAY(name, wanted, holders) \
-  if (!optional_array{s, name, (wanted) != 0}.keep(holders)) return false;
+  if (((wanted) != 0) == take && !optional_array{s, name, take != 0}.keep(holders)) return false;
 #define PBF_CPU(type, team_thread, extent) &s->team_thread, extent(s)
 #define PBF_CPU_BUFFER(type, team_thread, extent) &s->buffers.team_thread, extent(s)
 #include "physics/arrays.def"
+  }
+  if (!s->buffers.activity) s->asleep = 0;
   s->added = has.accelerated ? reinterpret_cast<pbf_real *>(s->sorted_cells) : NULL;
   return true;
 }

@@ -50,16 +50,19 @@ struct optional_array {
 
 }  // namespace
 
-static inline pbf_status keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+/* Takes those that are wanted, or frees those that are not. */
+static inline pbf_status keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params,
+                                     bool take) {
   const uint64_t n = s->capacity;
   const bool sleeps = PBF_SLEEP && has.runs[PBF_STAGE_SLEEP];
-  if (sleeps)
+  if (sleeps && take)
     if (pbf_status status = take_all_asleep(s)) return status;
 #define PBF_ARRAY(name, wanted, holders) \
-  if (pbf_status status = optional_array{s, name, (wanted) != 0}.keep(holders)) return status;
+  if (((wanted) != 0) == take)           \
+    if (pbf_status status = optional_array{s, name, take}.keep(holders)) return status;
 #define PBF_CUDA(type, member, elements) &s->member, elements
 #include "physics/arrays.def"
-  if (!sleeps) free_all_asleep(s); /* freeing the arrays has waited for the device */
+  if (!sleeps && !take) free_all_asleep(s); /* freeing the arrays has waited for the device */
   return PBF_OK;
 }
 

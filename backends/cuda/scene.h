@@ -55,12 +55,15 @@ static inline pbf_status take_lists(solver *s, const pbf_params *params, uint32_
   return PBF_OK;
 }
 
+/* What is not wanted any more goes only once there is all that is, but for what ranks have between
+ * them. */
 static inline pbf_status take_for_scene(solver *s, const pbf_schedule &has,
                                         const pbf_params &params, bool small) {
   if (pbf_status status = take_for_small(s, small)) return status;
-  if (pbf_status status = keep_arrays(s, has, params)) return status;
-  if (pbf_status status = keep_rank_sums(s)) return status;
-  return keep_many_loads(s, has.runs[PBF_STAGE_LOADS] != 0);
+  if (pbf_status status = keep_arrays(s, has, params, true)) return status;
+  if (pbf_status status = keep_many_loads(s, has.runs[PBF_STAGE_LOADS] != 0)) return status;
+  if (pbf_status status = keep_arrays(s, has, params, false)) return status;
+  return keep_rank_sums(s);
 }
 
 /* Sleep is in the parameters, which may have changed, and may have been in those before. */

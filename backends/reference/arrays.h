@@ -30,7 +30,7 @@ struct optional_array {
   const char *name;
   bool wanted;
 
-  /* Takes or releases it; false when there is no memory. */
+  /* Takes or releases it, as `wanted` says; false when there is no memory. */
   template <class Element>
   bool keep(Element **array) const {
     return pbf_memory_keep(&s->memory, wanted, name, s->capacity, 0, array);
@@ -59,11 +59,15 @@ struct optional_array {
 
 }  // namespace
 
+/* What is not wanted any more goes only once there is all that is: where there is not, the scene
+ * stays as it was, with what is in its arrays. */
 static bool keep_arrays(solver *s, const pbf_schedule &has, const pbf_params &params) {
+  for (int take = 1; take >= 0; --take) {
 #define PBF_ARRAY(name, wanted, holders) \
-  if (!optional_array{s, name, (wanted) != 0}.keep(holders)) return false;
+  if (((wanted) != 0) == take && !optional_array{s, name, take != 0}.keep(holders)) return false;
 #define PBF_REFERENCE(type, member) &s->member
 #include "physics/arrays.def"
+  }
   return true;
 }
 

@@ -30,6 +30,14 @@ static pbf_status step_apart(scene *s) {
   return status == PBF_OK ? pbf_end_step(s->solver) : status;
 }
 static pbf_status set_params(scene *s) { return pbf_set_params(s->solver, &s->params); }
+/* Takes memory for sleep, and gives back what steps have kept of each particle until now. */
+static pbf_status set_drowsy(scene *s) {
+  pbf_params params = test_params();
+  params.solver = PBF_SOLVER_JACOBI;
+  params.sleep_speed = params.sleep_time = 1;
+  const pbf_status status = pbf_set_params(s->solver, &params);
+  return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
+}
 static pbf_status set_colliders(scene *s) { return pbf_set_colliders(s->solver, 1, &s->collider); }
 static pbf_status load(scene *s) { return pbf_load(s->solver, s->saved, s->saved_size); }
 static pbf_status save(scene *s) {
@@ -120,7 +128,8 @@ static pbf_status timing(scene *s) {
 typedef enum beginning {
   LATTICE,
   PLACED /* in a solid, out of which the first step moves it */,
-  STEPPED /* in a vessel */
+  STEPPED /* in a vessel */,
+  LYING /* on the floor, under pressure */
 } beginning;
 
 static scene make_scene(beginning start) {
@@ -138,6 +147,10 @@ static scene make_scene(beginning start) {
   s.params.scorr_k = 0.1;
   s.params.smoothing_radius = 0.15;
   if (start == LATTICE) return s;
+  if (start == LYING) {
+    assert_ok(pbf_step(s.solver, 60));
+    return s;
+  }
   s.collider.radius = 0.2;
   for (int k = 0; k < 3; ++k) s.collider.position[k] = 0.35;
   if (start == STEPPED) {
@@ -240,6 +253,7 @@ static void each_call(void **state) {
   fail_in_turn(PLACED, step);
   fail_in_turn(STEPPED, set_colliders);
   fail_in_turn(STEPPED, step);
+  fail_in_turn(LYING, set_drowsy);
 }
 
 static void creation(void **state) {

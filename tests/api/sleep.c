@@ -174,6 +174,12 @@ static void changed_parameters_wake(void **state) {
   assert_ok(pbf_get_params(s, &params));
   assert_ok(pbf_set_params(s, &params));
   assert_int_equal(asleep_in(s), count); /* they are what they were */
+  params.sleep_speed = 0;
+  assert_ok(pbf_set_params(s, &params));
+  assert_int_equal(asleep_in(s), 0);
+  params.sleep_speed = sleepy().sleep_speed;
+  assert_ok(pbf_set_params(s, &params));
+  until_asleep(s, count);
   params.gravity[0] = 3;
   assert_ok(pbf_set_params(s, &params));
   assert_int_equal(asleep_in(s), 0);
