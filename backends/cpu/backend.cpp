@@ -175,6 +175,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *particles) {
   if (has_ranks(s) && !share_of_added(s, &share)) return end_on_ranks(s);
   append(s, &share);
   init_new(s, s->count - share.count);
+  if (particles->wakes_all) wake_all(s);
   return PBF_OK;
 }
 

@@ -160,6 +160,7 @@ static inline pbf_status population_add(solver *s, const pbf_particles *p) {
                             "cudaMemsetAsync");
   if (status == PBF_OK) status = init_new(s, s->count, p->count);
   if (status == PBF_OK) s->count += p->count;
+  if (status == PBF_OK && p->wakes_all) status = wake_all(s);
   return status;
 }
 

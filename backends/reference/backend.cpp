@@ -86,6 +86,7 @@ static pbf_status add_particles(solver *s, const pbf_particles *p) {
   if (s->phase) memset(s->phase + s->count, (int)p->phase, p->count);
   s->count += p->count;
   init_new(s, s->count - p->count);
+  if (p->wakes_all) wake_all(s);
   return PBF_OK;
 }
 

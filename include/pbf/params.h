@@ -132,9 +132,10 @@ typedef struct pbf_params {
    * as a root mean square over about `sleep_time`: a fluid at rest trembles without flowing. Below
    * `sleep_speed` a particle falls asleep, unless fluid three times as fast is within h of it. Such
    * fluid, or a moving wall or collider, also wakes it, within h. A change of the parameters but
-   * time_step, and particles that are set or removed, wake all; so does a collider that has stood
-   * still, with fluid asleep within h of it, as soon as it moves, is set elsewhere or is removed:
-   * what it held is held no longer. */
+   * time_step, and particles that are set or removed, wake all; so do those that are added, once
+   * they are as many as lie in one layer of a cube of the fluid, since the level rises, and a
+   * collider that has stood still, with fluid asleep within h of it, as soon as it moves, is set
+   * elsewhere or is removed: what it held is held no longer. */
   double sleep_speed; /* a length a time unit, in float32 at most 1e18; 0: nothing sleeps;
                          0.1 sqrt(|g| spacing) will do */
   double sleep_time;  /* > 0 where anything sleeps; half a second will do */

@@ -106,7 +106,7 @@ typedef struct pbf_particles {
   const void *positions;  /* (count, dimension), element type of the solver */
   const void *velocities; /* (count, dimension); null: at rest */
   uint32_t phase;         /* of all, below pbf_phase_table.count, or 0 */
-  uint32_t reserved;      /* 0 */
+  uint32_t wakes_all;     /* 1: what sleeps wakes, not only around them */
 } pbf_particles;
 
 /* Rows first … first + count - 1 of the solver's particles in ascending order of id. `ids` has all

@@ -66,6 +66,19 @@ static void free_new_ids(const pbf_solver *solver, uint32_t count, uint32_t *ids
   if (!solver->ids) pbf_memory_free(&solver->allocator, ids, (uint64_t)count * sizeof *ids);
 }
 
+/* What comes raises the level, and so the pressure on fluid that sleeps far from it: once as many
+ * have come as lie in one layer of a cube of the fluid, rounded down to a power of two. By ids,
+ * which are saved. */
+static int raises_level(const pbf_solver *solver, uint32_t count) {
+  const uint64_t n = solver->count;
+  uint64_t layer = 1;
+  if (solver->kind.dimension == 3)
+    while (8 * layer * layer * layer <= n * n) layer *= 2;
+  else
+    while (4 * layer * layer <= n) layer *= 2;
+  return solver->next_id / layer != (solver->next_id + count) / layer;
+}
+
 pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void *positions,
                                  const void *velocities, int is_placed, uint32_t phase) {
   uint32_t *ids;
@@ -78,7 +91,8 @@ pbf_status pbf_population_append(pbf_solver *solver, uint32_t count, const void 
                                    .ids = ids,
                                    .positions = distinct.positions,
                                    .velocities = velocities,
-                                   .phase = phase};
+                                   .phase = phase,
+                                   .wakes_all = (uint32_t)raises_level(solver, count)};
   if (status == PBF_OK) status = add_to_backend(solver, &particles);
   const int were_parted = distinct.copy != NULL;
   pbf_distinct_free(solver, &distinct);
