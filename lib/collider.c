@@ -52,7 +52,8 @@ static const pbf_real_rule turn_2d = {"angular_velocity[2]",
 
 enum {
   NUMBERS = (offsetof(pbf_collider, geometry) - offsetof(pbf_collider, position)) / sizeof(double),
-  MORE_NUMBERS = (sizeof(pbf_collider) - offsetof(pbf_collider, scale)) / sizeof(double)
+  MORE_NUMBERS =
+      (offsetof(pbf_collider, last_velocity) - offsetof(pbf_collider, scale)) / sizeof(double)
 };
 
 /* Bits of sizes are ordered as these are, with infinity and what is no number behind them; several

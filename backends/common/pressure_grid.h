@@ -6,6 +6,7 @@
 #include "physics/pressure_grid/cell_forces.h"
 #include "physics/pressure_grid/datum.h"
 #include "physics/pressure_grid/particles.h"
+#include "physics/pressure_grid/solid_gains.h"
 #include "physics/constants.h"
 
 /* Nodes first … last - 1. */
@@ -24,7 +25,8 @@ typedef struct pbf_pressure_grid_storage {
   pbf_pressure_grid_run *runs; /* all nodes that are not in the open are in one, in their order … */
   uint32_t count;              /* of so many; unless every node is looked at */
   pbf_pressure_grid_topology topology;
-  pbf_obstacles obstacles; /* that it is of */
+  pbf_obstacles obstacles;      /* that it is of */
+  const pbf_obstacles *gaining; /* those of this step; null: each goes on evenly */
 } pbf_pressure_grid_storage;
 
 /* What a grid with thin solids in it has beside. */
@@ -251,6 +253,12 @@ static inline void pbf_pressure_grid_extend(const pbf_pressure_grid *c,
   }
 }
 
+static inline int pbf_any_obstacle_gains(const pbf_obstacles *o) {
+  int any = 0;
+  for (int k = 0; k < o->count && !any; ++k) any = o->surfaces.all[k].gains;
+  return any;
+}
+
 /* The free volume of the cells in a box outside which there is no fluid, and what is to be done
  * about that in them. */
 static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes(
@@ -259,6 +267,7 @@ static inline pbf_pressure_grid_source_scale pbf_pressure_grid_find_free_volumes
   const pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid_extent extent = {{0}, {0}};
   int i[PBF_DIM];
+  storage->gaining = pbf_any_obstacle_gains(o) ? o : NULL;
   memcpy(i, box->first, sizeof i);
   do {
     uint32_t row = pbf_pressure_grid_row(c, i);
@@ -311,6 +320,22 @@ static inline void pbf_pressure_grid_find_surface(pbf_pressure_grid_storage *sto
         c, t, storage->sums, storage->places, storage->free_volumes, k);
 }
 
+/* What solids gain at a node, or one that it is a copy of. */
+static inline pbf_node_gain pbf_pressure_grid_gain_at(const pbf_pressure_grid_storage *storage,
+                                                      uint32_t node) {
+  const pbf_pressure_grid *c = &storage->grid;
+  const pbf_obstacles *o = storage->gaining;
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(c, node, i);
+  pbf_node_gain gain = pbf_node_gain_begin(c, i);
+  const double reach = gain.nearest * (o->grid ? o->grid->steepest : 1);
+  const pbf_obstacles near = pbf_obstacles_near(*o, gain.x, (pbf_real)reach);
+  for (int k = 0; k < pbf_surface_count(near); ++k) pbf_node_gain_look(&near.surfaces[k], &gain);
+  for (int k = 0; k < pbf_surface_count(near); ++k)
+    pbf_node_gain_settle(c, &near.surfaces[k], &gain);
+  return gain;
+}
+
 /* The equations of torn nodes, which are none of the others; returns the largest right side of one
  * that is not in the open. */
 static inline double pbf_pressure_grid_torn_equations(
@@ -323,18 +348,31 @@ static inline double pbf_pressure_grid_torn_equations(
     if (storage->cell_moves && t->inverse[k] > 0)
       t->right[k] += pbf_moves_at_torn_node(&storage->grid, t, source_scale->part, storage->sums,
                                             storage->cell_moves, storage->free_volumes, k);
+    if (storage->gaining && t->inverse[k] > 0) {
+      const pbf_node_gain gain = pbf_pressure_grid_gain_at(storage, t->base[k]);
+      t->right[k] += pbf_gain_at_torn_node(&storage->grid, t, source_scale->part,
+                                           storage->free_volumes, &gain, k);
+    }
     if (t->inverse[k] > 0) largest = pbf_max(largest, fabs(t->right[k]));
   }
   return largest;
 }
 
-/* What forces that differ from particle to particle add to a node's right side. */
+/* What forces that differ from particle to particle, and solids that gain, add to a node's right
+ * side. */
 static inline double pbf_pressure_grid_moves_at(const pbf_pressure_grid_storage *storage,
                                                 const pbf_pressure_grid_source_scale *source_scale,
                                                 uint32_t node) {
-  if (!storage->cell_moves) return 0;
-  return pbf_moves_at_node(&storage->grid, source_scale->part, storage->sums, storage->cell_moves,
-                           storage->free_volumes, node);
+  double right = 0;
+  if (storage->gaining) {
+    const pbf_node_gain gain = pbf_pressure_grid_gain_at(storage, node);
+    right +=
+        pbf_gain_at_node(&storage->grid, source_scale->part, storage->free_volumes, &gain, node);
+  }
+  if (storage->cell_moves)
+    right += pbf_moves_at_node(&storage->grid, source_scale->part, storage->sums,
+                               storage->cell_moves, storage->free_volumes, node);
+  return right;
 }
 
 static inline void pbf_pressure_grid_guess_torn(pbf_pressure_grid_storage *storage, double part) {

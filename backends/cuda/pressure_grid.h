@@ -7,6 +7,7 @@
 #include "cuda/kernels.h"
 #include "physics/pressure_grid/cell_forces.h"
 #include "physics/pressure_grid/particles.h"
+#include "physics/pressure_grid/solid_gains.h"
 #include "physics/pressure_grid/solve.h"
 
 /* Whether the build has it. */
@@ -318,6 +319,43 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
     largest = fmax(largest, __shfl_xor_sync(~0u, largest, step));
   if (threadIdx.x % 32 == 0 && largest > 0)
     atomicMax(&a.control->largest, (unsigned long long)__double_as_longlong(largest));
+}
+
+/* b at a node, solid_gains.h. */
+template <surfaces_met SURFACES>
+static __device__ __forceinline__ pbf_node_gain gain_at(const pbf_pressure_grid &grid,
+                                                        const step_obstacles &o, uint32_t node) {
+  int i[PBF_DIM];
+  pbf_pressure_grid_place(&grid, node, i);
+  pbf_node_gain gain = pbf_node_gain_begin(&grid, i);
+  double reach = gain.nearest;
+  if constexpr (SURFACES == LISTED_SURFACES) reach *= scene_behind(o)->grid.steepest;
+  const auto near = obstacles_near<SURFACES>(o, gain.x, reach);
+  for (int k = 0; k < pbf_surface_count(near); ++k) pbf_node_gain_look(&near.surfaces[k], &gain);
+  for (int k = 0; k < pbf_surface_count(near); ++k)
+    pbf_node_gain_settle(&grid, &near.surfaces[k], &gain);
+  return gain;
+}
+
+/* Where solids gain: what that adds to the right sides. */
+template <surfaces_met SURFACES>
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    pressure_grid_gains_kernel(pbf_pressure_grid grid, step_obstacles o, pressure_grid_arrays a) {
+  const uint32_t index = thread_index();
+  const double part = grid_source_scale(grid, a).part;
+  double right = 0;
+  if (index < grid.nodes) {
+    if (!(a.inverse[index] > 0)) return;
+    const pbf_node_gain gain = gain_at<SURFACES>(grid, o, index);
+    right = a.right[index] += pbf_gain_at_node(&grid, part, a.free_volumes, &gain, index);
+  } else if (index - grid.nodes < pbf_pressure_grid_torn_count(&a.topology)) {
+    const uint32_t torn = index - grid.nodes;
+    if (!(a.topology.inverse[torn] > 0)) return;
+    const pbf_node_gain gain = gain_at<SURFACES>(grid, o, a.topology.base[torn]);
+    right = a.topology.right[torn] +=
+        pbf_gain_at_torn_node(&grid, &a.topology, part, a.free_volumes, &gain, torn);
+  }
+  atomicMax(&a.control->largest, (unsigned long long)__double_as_longlong(fabs(right)));
 }
 
 /* Nodes one above the other that are not in the open, from `floor` on; a warp looks together. */

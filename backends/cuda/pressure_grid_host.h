@@ -279,6 +279,11 @@ static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &ob
   });
   launch_early(s, pressure_grid_depths_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
   launch_early(s, pressure_grid_nodes_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
+  if (s->pressure_grid_gains)
+    with_surfaces(s, [&](auto surfaces) {
+      launch_early(s, pressure_grid_gains_kernel<decltype(surfaces)::value>, with_torn, PBF_BLOCK,
+                   0, grid, obstacles, arrays);
+    });
   launch_guess(s, arrays);
   if (pbf_status status = launch_pressure_grid_solve(s, grid, arrays)) return status;
   launch_early(s, extrapolate_kernel, with_torn, PBF_BLOCK, 0, grid, arrays);
@@ -299,10 +304,12 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
   s->pressure_grid =
       pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear, limit);
   s->pressure_grid_domain = walls;
+  s->pressure_grid_gains = false;
   for (uint32_t k = 0; k < s->collider_count; ++k) {
     pbf_surface surface =
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     thin = thin || pbf_surface_is_thin(&s->pressure_grid, &surface);
+    s->pressure_grid_gains = s->pressure_grid_gains || surface.gains;
   }
   s->pressure_grid_is_torn =
       s->topology_memory && (thin || pbf_pressure_grid_is_periodic(&s->pressure_grid));

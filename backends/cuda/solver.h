@@ -95,6 +95,7 @@ struct solver {
   uint32_t pressure_grid_cluster;  /* most blocks of a cluster; 0: it has none */
   pbf_pressure_grid pressure_grid; /* of the last step, … */
   double pressure_grid_scale;      /* … as is this, of lambda, … */
+  bool pressure_grid_gains;        /* whether a collider goes faster or slower in the step */
   bool pressure_grid_is_torn;      /* by colliders that are thin, or periodic axes, … */
   int pressure_grid_solids;        /* … and the colliders in it, if so */
   pbf_domain pressure_grid_domain; /* between these walls */

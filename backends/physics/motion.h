@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <pbf/pbf.h>
 
@@ -32,6 +33,16 @@ static inline double pbf_motion_wall(const pbf_params *params, int wall, double 
   return bounds[wall / 2] + params->wall_velocity[wall] * time +
          params->wall_amplitude[wall] *
              pbf_sin(params->wall_frequency[wall] * time + params->wall_phase[wall]);
+}
+
+/* By how much it moves more in the step that ends at a time than in the one before: 0 for one that
+ * stands or moves evenly, to the bit. */
+static inline double pbf_motion_wall_gain(const pbf_params *params, int wall, double time) {
+  const double frequency = params->wall_frequency[wall], dt = params->time_step;
+  if (!(params->wall_amplitude[wall] != 0)) return 0;
+  const double sine = pbf_sin(0.5 * frequency * dt);
+  return -4 * params->wall_amplitude[wall] * sine * sine *
+         pbf_sin(frequency * (time - dt) + params->wall_phase[wall]);
 }
 
 /* a * b, quaternions as x, y, z, w */
@@ -176,6 +187,54 @@ static inline void pbf_motion_collider_state(const pbf_collider *at_set, double 
   double axis[3];
   for (int a = 0; a < 3; ++a) axis[a] = at_set->angular_velocity[a] / rate;
   pbf_motion_turned(at_set->velocity, axis, rate * elapsed, now->velocity);
+}
+
+/* The velocities with which it has come to where it is `elapsed` after it was set, at a position:
+ * of a motion that has ended in this last step, those that it had until then. */
+static inline void pbf_motion_last_velocities(const pbf_collider *at_set, double elapsed,
+                                              double time_step, const double position[3],
+                                              double velocity[3], double angular_velocity[3]) {
+  pbf_collider goes_on = *at_set, now;
+  const double *w = now.angular_velocity;
+  if (!(elapsed > 0)) {
+    memcpy(velocity, at_set->last_velocity, sizeof at_set->last_velocity);
+    memcpy(angular_velocity, at_set->last_angular_velocity, sizeof at_set->last_angular_velocity);
+    return;
+  }
+  if (elapsed - 0.5 * time_step < at_set->duration) goes_on.duration = 0;
+  pbf_motion_collider_state(&goes_on, elapsed, &now);
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    velocity[a] = now.velocity[a] + w[b] * (position[c] - now.position[c]) -
+                  w[c] * (position[b] - now.position[b]);
+    angular_velocity[a] = w[a];
+  }
+}
+
+/* What it moves more in a step that ends then than in the one before, by its velocity and by its
+ * rate of turning: 0, to the bit, for one that goes on evenly. Where it was set anew, that comes
+ * from what it had before. */
+static inline void pbf_motion_gain(const pbf_collider *at_set, double elapsed, double time_step,
+                                   double way[3], double turn[3]) {
+  const double moved = pbf_motion_time(at_set, elapsed);
+  const double before = pbf_motion_time(at_set, fmax(elapsed - time_step, 0));
+  const int is_first = elapsed < 1.5 * time_step;
+  const double earlier = pbf_motion_time(at_set, fmax(elapsed - 2 * time_step, 0));
+  const double *v = at_set->velocity, *w = at_set->angular_velocity;
+  double more = moved - before - (is_first ? time_step : before - earlier);
+  if (!(fabs(more) > 1e-6 * time_step)) more = 0;
+  for (int a = 0; a < 3; ++a) {
+    way[a] = more * v[a];
+    turn[a] = more * w[a];
+  }
+  if (!is_first) return;
+  const double rounding =
+      1e-12 * (pbf_motion_length(v) + pbf_motion_length(w) * pbf_motion_length(at_set->position));
+  for (int a = 0; a < 3; ++a) {
+    const double faster = v[a] - at_set->last_velocity[a];
+    if (fabs(faster) > rounding) way[a] += time_step * faster;
+    turn[a] += time_step * (w[a] - at_set->last_angular_velocity[a]);
+  }
 }
 
 /* Lets *from, a collider as it stands, come to a target in a time, and stop there. */

@@ -73,6 +73,8 @@ export interface Collider {
   staticFriction: number;
   noSlip: number;
   adhesion: number;
+  lastVelocity: number[];
+  lastAngularVelocity: number[];
 }
 
 export interface ColliderLoad {

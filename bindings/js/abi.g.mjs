@@ -174,7 +174,7 @@ export const structs = {
     },
   },
   pbf_collider: {
-    size: 288,
+    size: 336,
     fields: {
       structSize: ["u32", 0],
       shape: ["u32", 4],
@@ -199,6 +199,8 @@ export const structs = {
       staticFriction: ["f64", 264],
       noSlip: ["f64", 272],
       adhesion: ["f64", 280],
+      lastVelocity: ["f64", 288, 3],
+      lastAngularVelocity: ["f64", 312, 3],
     },
   },
   pbf_collider_load: {

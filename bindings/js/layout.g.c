@@ -72,7 +72,7 @@ _Static_assert(offsetof(pbf_params, surface_tension) == 568, "as abi.g.mjs has i
 _Static_assert(offsetof(pbf_params, periodic) == 576, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, reserved) == 580, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_params, wall_adhesion) == 584, "as abi.g.mjs has it");
-_Static_assert(sizeof(pbf_collider) == 288, "as abi.g.mjs has it");
+_Static_assert(sizeof(pbf_collider) == 336, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, shape) == 4, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, inverted) == 8, "as abi.g.mjs has it");
@@ -96,6 +96,8 @@ _Static_assert(offsetof(pbf_collider, friction) == 256, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, static_friction) == 264, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, no_slip) == 272, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider, adhesion) == 280, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, last_velocity) == 288, "as abi.g.mjs has it");
+_Static_assert(offsetof(pbf_collider, last_angular_velocity) == 312, "as abi.g.mjs has it");
 _Static_assert(sizeof(pbf_collider_load) == 128, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider_load, struct_size) == 0, "as abi.g.mjs has it");
 _Static_assert(offsetof(pbf_collider_load, contacts) == 4, "as abi.g.mjs has it");

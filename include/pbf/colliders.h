@@ -64,6 +64,11 @@ typedef struct pbf_collider {
   double friction, static_friction, no_slip; /* as pbf_params.wall_friction, _static_friction and
                                                 _no_slip, against the collider's own motion */
   double adhesion;                           /* as pbf_params.wall_adhesion */
+  /* Told, and not looked at where it is set: the velocities with which it has come to where it was
+   * set, those of one that was not there before. What changes them presses on deep water at once.
+   */
+  double last_velocity[3];
+  double last_angular_velocity[3];
 } pbf_collider;
 
 /* Of a solver. What a step takes goes by how many are near the fluid, and memory by how many there

@@ -215,6 +215,24 @@ static void choose_paths(const pbf_collider_places *before, uint32_t count, cons
   }
 }
 
+/* How each has come to where it is set; what is placed there has only the velocities it is given.
+ */
+static void note_last_velocities(const pbf_solver *solver, uint32_t count, const uint32_t *numbers,
+                                 const pbf_collider_set *placed, pbf_collider *next) {
+  const double elapsed = pbf_solver_time(solver) - solver->collider_time;
+  for (uint32_t k = 0; k < count; ++k) {
+    pbf_collider *now = &next[k];
+    const uint32_t was = numbers ? numbers[k] : k;
+    if (was < solver->collider_count && !(placed && pbf_collider_set_has(placed, k))) {
+      pbf_motion_last_velocities(&solver->colliders[was], elapsed, solver->params.time_step,
+                                 now->position, now->last_velocity, now->last_angular_velocity);
+    } else {
+      memcpy(now->last_velocity, now->velocity, sizeof now->velocity);
+      memcpy(now->last_angular_velocity, now->angular_velocity, sizeof now->angular_velocity);
+    }
+  }
+}
+
 /* Of those that have been set elsewhere some may have been shifted alike, with the world's origin.
  */
 static void find_shift(const pbf_collider_places *before, uint32_t count, const pbf_collider *next,
@@ -284,6 +302,7 @@ static pbf_status set_colliders(pbf_solver *solver, uint32_t count, const pbf_co
   jumps found = find_before(solver, &before, count, memory, numbers);
   find_shift(&before, count, memory, &found);
   choose_paths(&before, count, numbers, memory);
+  note_last_velocities(solver, count, numbers, &found.placed, memory);
   status = put_in_place(solver, count, numbers, memory);
   if (status != PBF_OK) return status;
   pbf_overlap_note_colliders(solver, &found.placed);
@@ -381,6 +400,7 @@ static pbf_status move_colliders(pbf_solver *solver, uint32_t count, const pbf_c
   status = take(solver, TO_MOVE, count, theirs, &memory);
   if (status != PBF_OK) return status;
   status = aim(solver, count, duration, memory);
+  if (status == PBF_OK) note_last_velocities(solver, count, NULL, NULL, memory);
   if (status == PBF_OK) return put_in_place(solver, count, NULL, memory);
   drop(solver, count, memory);
   return status;

@@ -48,6 +48,88 @@ static void water_weighs_on_its_floor(void **state) {
   test_for_long_kinds(check_tanks);
 }
 
+/* ---- Floors that go faster and slower ------------------------------------------------------- */
+
+enum { LIFT_LAYERS = 24, LIFT_SETTLES = 90 };
+
+/* A column of water under a pressure grid, in long steps, on the domain's floor or on a box. */
+static load_scene column(uint32_t dimension, uint32_t precision, const pbf_collider *box) {
+  const double width = 0.4, high = LIFT_LAYERS * load_spacing;
+  const double domain[3] = {width, 2 * high, width}, size[3] = {width, high, width};
+  pbf_params params = load_params(dimension, domain);
+  params.domain_min[1] = box ? -0.5 : 0;
+  params.pressure_grid = 2;
+  params.time_step = 1.0 / 60;
+  load_scene s =
+      load_scene_of(dimension, precision, &params, size, load_everywhere, box != NULL, box);
+  assert_ok(pbf_step(s.solver, LIFT_SETTLES));
+  return s;
+}
+
+/* What weighs on the floor goes by its acceleration at once: m (g + a). */
+static void check_swing(uint32_t dimension, uint32_t precision) {
+  enum { PERIOD = 30 };
+  load_scene s = column(dimension, precision, NULL);
+  const double dt = s.params.time_step, frequency = 2 * 3.14159265358979 / (PERIOD * dt);
+  const double weight = s.count * s.mass * load_gravity, part = 0.3;
+  double sine = 0, cosine = 0;
+  s.params.wall_amplitude[PBF_WALL_Y_MIN] = part * load_gravity / (frequency * frequency);
+  s.params.wall_frequency[PBF_WALL_Y_MIN] = frequency;
+  s.params.wall_phase[PBF_WALL_Y_MIN] = -frequency * LIFT_SETTLES * dt;
+  assert_ok(pbf_set_params(s.solver, &s.params));
+  for (int k = 0; k < 2 * PERIOD; ++k) {
+    pbf_collider_load walls[WALLS];
+    assert_ok(pbf_step(s.solver, 1));
+    load_walls(&s, walls);
+    if (k < PERIOD) continue;
+    sine -= 2 * load_force(&walls[PBF_WALL_Y_MIN], 1) * sin(frequency * k * dt) / PERIOD;
+    cosine -= 2 * load_force(&walls[PBF_WALL_Y_MIN], 1) * cos(frequency * k * dt) / PERIOD;
+  }
+  load_expect("what a floor's swing adds", sine, -part * weight, 0.1);
+  assert_true(fabs(cosine) < 0.1 * part * weight);
+  load_end(&s);
+}
+
+/* A box that is set anew, or moved, for each step. */
+static void check_lift(uint32_t dimension, uint32_t precision, int is_moved) {
+  enum { STEPS = 6 };
+  pbf_collider box = load_collider(PBF_COLLIDER_BOX, 0.2, -0.2, 0.2);
+  for (int k = 0; k < 3; ++k) box.half_extents[k] = k == 1 ? 0.2 : 0.5;
+  load_scene s = column(dimension, precision, &box);
+  const double dt = s.params.time_step, lift = 0.3 * load_gravity;
+  const double weight = s.count * s.mass * load_gravity;
+  double force = 0;
+  for (int k = 0; k < STEPS; ++k) {
+    pbf_collider_load load;
+    const double velocity = lift * (k + 1) * dt;
+    if (is_moved) {
+      box.position[1] += velocity * dt;
+      assert_ok(pbf_move_colliders(s.solver, 1, &box, dt));
+    } else {
+      box.velocity[1] = velocity;
+      assert_ok(pbf_set_colliders(s.solver, 1, &box));
+      box.position[1] += velocity * dt;
+    }
+    assert_ok(pbf_step(s.solver, 1));
+    load_colliders(&s, 1, &load);
+    force -= load_force(&load, 1) / STEPS;
+  }
+  load_expect("the weight on a lift that starts", force, 1.3 * weight, 0.05);
+  load_end(&s);
+}
+
+static void check_lifts(uint32_t dimension, uint32_t precision) {
+  check_swing(dimension, precision);
+  check_lift(dimension, precision, 0);
+  check_lift(dimension, precision, 1);
+}
+
+static void water_weighs_more_on_a_lift(void **state) {
+  (void)state;
+  test_skip_if_watched();
+  test_for_long_kinds(check_lifts);
+}
+
 /* Two boxes side by side, one of them a hull or not, are the floor: each carries half, and no more
  * because of the seam. */
 static void check_halves_of(uint32_t dimension, uint32_t precision, int has_hull) {
@@ -372,6 +454,7 @@ int main(void) {
   if (test_is_stub()) return TEST_SKIPPED;
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(water_weighs_on_its_floor),
+      cmocka_unit_test(water_weighs_more_on_a_lift),
       cmocka_unit_test(halves_of_a_floor_share_it),
       cmocka_unit_test(a_jet_pushes_a_plate),
       cmocka_unit_test(a_channel_drags_its_walls_along),

@@ -64,16 +64,19 @@ typedef struct pbf_pressure_grid {
   double spacing;               /* of particles */
   double push[PBF_DIM];         /* move by the forces in cells 0 … */
   double pull[PBF_DIM];         /* … and its change from cell to cell along that axis */
-  double move, accelerated;     /* at a velocity and by an acceleration of 1 */
-  double drag_move[PBF_DIM];    /* at the velocity that drag pulls to */
-  double drag;                  /* what drag has added, of the difference to it that it leaves */
-  double error;                 /* pbf_depth_error of a head of 1 */
-  double max_left;              /* to the iterations, of an error, … */
-  double left_cells;            /* … or else the weight of so many cells' heights */
-  double room;                  /* of what lacks density; 0: solids do not count as fluid */
-  int axis;                     /* along which the forces push most */
-  int n[PBF_DIM];               /* cells inside */
-  uint32_t size[PBF_DIM];       /* indices along an axis */
+  double lower_gain[PBF_DIM];   /* what walls move more than in the last step: … */
+  double upper_gain[PBF_DIM];   /* … the fluid before them does not yet */
+  int middle[PBF_DIM];       /* nodes up to here are at the lower wall, others at the upper one */
+  double move, accelerated;  /* at a velocity and by an acceleration of 1 */
+  double drag_move[PBF_DIM]; /* at the velocity that drag pulls to */
+  double drag;               /* what drag has added, of the difference to it that it leaves */
+  double error;              /* pbf_depth_error of a head of 1 */
+  double max_left;           /* to the iterations, of an error, … */
+  double left_cells;         /* … or else the weight of so many cells' heights */
+  double room;               /* of what lacks density; 0: solids do not count as fluid */
+  int axis;                  /* along which the forces push most */
+  int n[PBF_DIM];            /* cells inside */
+  uint32_t size[PBF_DIM];    /* indices along an axis */
   uint32_t corner[PBF_CORNERS]; /* index of a cell's corners from its own */
   uint32_t wrap[PBF_DIM];       /* of a periodic axis: index of the last cell from the one outside,
                                    before the first; 0: there are walls */
@@ -189,6 +192,9 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
     c.pull[k] = -dt2 * params->attraction;
     c.wrap[k] = pbf_pressure_grid_wraps(params, walls, k) ? (uint32_t)c.n[k] * c.nodes : 0;
     if (c.wrap[k]) c.push[k] = c.pull[k] = 0; /* fluid stands against nothing there, and flows */
+    c.lower_gain[k] = (double)walls->lower_gain.c[k] / width;
+    c.upper_gain[k] = (double)walls->upper_gain.c[k] / width;
+    c.middle[k] = (c.n[k] + 1) / 2;
     c.drag_move[k] = c.move * params->drag_velocity[k];
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
     for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] += (uint32_t)(a >> k & 1) * c.nodes;

@@ -29,7 +29,9 @@ PBF_FN void pbf_pressure_grid_add_cell(const pbf_pressure_grid *c, const int64_t
   double divergence = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
     int right_of = a >> k & 1;
-    divergence += (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of));
+    divergence +=
+        (right_of ? 1 : -1) * (c->push[k] + c->pull[k] * (i[k] - right_of) -
+                               (i[k] > c->middle[k] ? c->upper_gain[k] : c->lower_gain[k]));
   }
   all->free_volume += free_volumes[cell];
   all->divergence += free_volumes[cell] * divergence;

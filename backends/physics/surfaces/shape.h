@@ -42,6 +42,9 @@ typedef struct pbf_surface {
   pbf_real rounding;   /* what rounding may take from distances: see pbf_set_margins */
   pbf_real prediction_push, iteration_push; /* the way by which one of these takes out of it, at
                                                most, what it finds inside: see pbf_set_push */
+  pbf_vec gain;          /* what its centre moves more in the step than in the one before, … */
+  pbf_real turn_gain[3]; /* … and what it turns more; all 0: it goes on evenly */
+  int gains;
   pbf_real steepest;      /* its distance changes by so many times the way, at most */
   pbf_real scale;         /* of what its distances are interpolated in: field.h; */
   const pbf_shape *field; /* null: it has a closed form */

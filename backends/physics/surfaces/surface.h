@@ -167,13 +167,41 @@ static inline pbf_surface pbf_surface_between(const pbf_collider *before, const 
   return s;
 }
 
+static inline void pbf_set_gain(pbf_surface *s, const pbf_collider *at_set, double elapsed,
+                                double time_step) {
+  double way[3], turn[3];
+  pbf_motion_gain(at_set, elapsed, time_step, way, turn);
+  for (int k = 0; k < PBF_DIM; ++k) s->gain.c[k] = (pbf_real)way[k];
+  for (int k = 0; k < 3; ++k) {
+    s->turn_gain[k] = (pbf_real)turn[k];
+    s->gains |= (k < PBF_DIM && way[k] != 0) || turn[k] != 0;
+  }
+}
+
+/* Of a point of it. */
+PBF_FN pbf_vec pbf_surface_gain_at(const pbf_surface *s, pbf_vec x) {
+  const pbf_vec p = pbf_sub(x, s->center);
+  const pbf_real *w = s->turn_gain;
+  pbf_vec gain = s->gain;
+  gain.c[0] -= w[2] * p.c[1];
+  gain.c[1] += w[2] * p.c[0];
+#if PBF_DIM == 3
+  gain.c[0] += w[1] * p.c[2];
+  gain.c[1] -= w[0] * p.c[2];
+  gain.c[2] += w[0] * p.c[1] - w[1] * p.c[0];
+#endif
+  return gain;
+}
+
 /* At the end of a step, `elapsed` after the collider was set. */
 static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elapsed,
                                          double time_step) {
   pbf_collider now, before;
   pbf_motion_collider(at_set, elapsed, &now);
   pbf_motion_collider(at_set, elapsed - time_step, &before);
-  return pbf_surface_between(&before, &now);
+  pbf_surface s = pbf_surface_between(&before, &now);
+  pbf_set_gain(&s, at_set, elapsed, time_step);
+  return s;
 }
 
 /* As it stood at the start of the step. */

@@ -238,6 +238,8 @@ namespace Pbf
         public double StaticFriction;
         public double NoSlip;
         public double Adhesion;
+        public Vector3d LastVelocity;
+        public Vector3d LastAngularVelocity;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -718,6 +720,8 @@ namespace Pbf
         public double StaticFriction;
         public double NoSlip;
         public double Adhesion;
+        public Vector3d LastVelocity;
+        public Vector3d LastAngularVelocity;
 
         internal Collider(NativeCollider from)
         {
@@ -744,6 +748,8 @@ namespace Pbf
             StaticFriction = from.StaticFriction;
             NoSlip = from.NoSlip;
             Adhesion = from.Adhesion;
+            LastVelocity = from.LastVelocity;
+            LastAngularVelocity = from.LastAngularVelocity;
         }
 
         internal NativeCollider ForC()
@@ -772,7 +778,9 @@ namespace Pbf
                 Friction = Friction,
                 StaticFriction = StaticFriction,
                 NoSlip = NoSlip,
-                Adhesion = Adhesion
+                Adhesion = Adhesion,
+                LastVelocity = LastVelocity,
+                LastAngularVelocity = LastAngularVelocity
             };
         }
     }
@@ -1022,7 +1030,7 @@ namespace Pbf
             { typeof(NativeAllocator), new[] { "32", "StructSize=0", "Reserved=4", "User=8", "Allocate=16", "Release=24" } },
             { typeof(NativeDesc), new[] { "112", "StructSize=0", "ApiVersion=4", "Dimension=8", "Precision=12", "Capacity=16", "Strict=20", "Backend=24", "Device=32", "Threads=36", "Stream=40", "Allocator=48", "Log=56", "LogUser=64", "Isa=72", "EnqueueTask=80", "FinishTask=88", "TaskUser=96", "Determinism=104", "Reserved=108" } },
             { typeof(Params), new[] { "592", "StructSize=0", "Kernel=4", "SmoothingRadius=8", "Spacing=16", "ParticleVolume=24", "TimeStep=32", "Iterations=40", "Collide=44", "Gravity=48", "Attraction=72", "AttractionCenter=80", "OverRelaxation=104", "Cfm=112", "Cohesion=120", "MinDiagonal=128", "WallDensity=136", "ScorrK=144", "ScorrDq=152", "ScorrN=160", "Solver=164", "Vorticity=168", "Viscosity=176", "DomainMin=184", "DomainMax=208", "WallVelocity=232", "WallAmplitude=280", "WallFrequency=328", "WallPhase=376", "SearchCellWidth=424", "SleepSpeed=432", "SleepTime=440", "Tolerance=448", "PressureGrid=456", "Prestabilization=464", "DampingCompensation=472", "AngularMomentumCorrection=480", "Drag=488", "DragVelocity=496", "MaxDepenetrationSpeed=520", "MaxSubsteps=528", "Loads=532", "ShearStressCorrection=536", "WallFriction=544", "WallStaticFriction=552", "WallNoSlip=560", "SurfaceTension=568", "Periodic=576", "Reserved=580", "WallAdhesion=584" } },
-            { typeof(NativeCollider), new[] { "288", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272", "Adhesion=280" } },
+            { typeof(NativeCollider), new[] { "336", "StructSize=0", "Shape=4", "Inverted=8", "Path=12", "Position=16", "Orientation=40", "Velocity=72", "AngularVelocity=96", "Axis=120", "HalfExtents=144", "Radius=168", "HalfLength=176", "HalfExtentsRate=184", "RadiusRate=208", "HalfLengthRate=216", "Duration=224", "Geometry=232", "Scale=240", "ScaleRate=248", "Friction=256", "StaticFriction=264", "NoSlip=272", "Adhesion=280", "LastVelocity=288", "LastAngularVelocity=312" } },
             { typeof(ColliderLoad), new[] { "128", "StructSize=0", "Contacts=4", "Impulse=8", "AngularImpulse=32", "ImpulseSum=56", "AngularImpulseSum=80", "TimeSum=104", "Penetration=112", "WettedArea=120" } },
             { typeof(NativeReadDesc), new[] { "80", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "W=24", "Order=28", "Stride=32", "Data=40", "Behind=48", "WValue=56", "DeviceType=64", "Reserved=68", "Stream=72" } },
             { typeof(WriteDesc), new[] { "56", "StructSize=0", "Field=4", "First=8", "Count=12", "ElementType=16", "Components=20", "Stride=24", "Data=32", "DeviceType=40", "Reserved=44", "Stream=48" } },

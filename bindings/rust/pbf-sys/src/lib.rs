@@ -254,6 +254,8 @@ pub struct pbf_collider {
     pub static_friction: f64,
     pub no_slip: f64,
     pub adhesion: f64,
+    pub last_velocity: [f64; 3],
+    pub last_angular_velocity: [f64; 3],
 }
 
 #[repr(C)]
@@ -1331,7 +1333,7 @@ mod layout {
 
     #[test]
     fn pbf_collider_lies_as_in_c() {
-        assert_eq!(size_of::<pbf_collider>(), 288);
+        assert_eq!(size_of::<pbf_collider>(), 336);
         assert_eq!(offset!(pbf_collider, struct_size), 0);
         assert_eq!(offset!(pbf_collider, shape), 4);
         assert_eq!(offset!(pbf_collider, inverted), 8);
@@ -1355,6 +1357,8 @@ mod layout {
         assert_eq!(offset!(pbf_collider, static_friction), 264);
         assert_eq!(offset!(pbf_collider, no_slip), 272);
         assert_eq!(offset!(pbf_collider, adhesion), 280);
+        assert_eq!(offset!(pbf_collider, last_velocity), 288);
+        assert_eq!(offset!(pbf_collider, last_angular_velocity), 312);
     }
 
     #[test]
