@@ -473,6 +473,68 @@ static void stirred_at_one_end_the_other_sleeps(void **state) {
   check_stick(dimension, 0);
 }
 
+/* Two arms, 6 spacings wide, joined below a wall of one: what is laid upon the water in the one row
+ * by row, slower than `sleep_speed`, stands in both in the end. */
+enum { ARM = 6, ARMS = 2 * ARM + 1, ROWS = 8, DEEP_ARMS = 4 };
+
+static uint32_t put_row(pbf_solver *s, uint32_t dimension, double y, uint32_t from, uint32_t to) {
+  float x[ARMS * DEEP_ARMS * 3];
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < (dimension == 3 ? DEEP_ARMS : 1); ++k)
+    for (uint32_t i = from; i < to; ++i, ++count) {
+      float *at = x + count * dimension;
+      at[0] = 0.05f * ((float)i + 0.5f);
+      at[1] = 0.05f * (float)y;
+      if (dimension == 3) at[2] = 0.05f * ((float)k + 0.5f);
+    }
+  assert_ok(pbf_add_particles(s, count, x, NULL, NULL));
+  return count;
+}
+
+static void check_arms(uint32_t dimension) {
+  enum { BELOW = 2, HIGH_ARMS = 6, STEPS_A_ROW = 60 };
+  pbf_params params = sleepy();
+  params.domain_max[0] = 0.05 * ARMS;
+  params.domain_max[2] = 0.05 * DEEP_ARMS;
+  const pbf_desc desc = test_desc(dimension, PBF_FLOAT32, 1000);
+  pbf_solver *s = NULL;
+  pbf_collider wall;
+  static float x[1000 * 3];
+  uint32_t count = 0, right = 0;
+  assert_ok(pbf_create(&desc, &params, &s));
+  assert_ok(pbf_collider_init(&wall, sizeof wall, PBF_COLLIDER_BOX));
+  wall.position[0] = 0.05 * ARMS / 2;
+  wall.position[1] = 1 + 0.05 * BELOW;
+  wall.half_extents[0] = 0.025;
+  assert_ok(pbf_set_colliders(s, 1, &wall));
+  for (uint32_t row = 0; row < HIGH_ARMS; ++row) {
+    count += put_row(s, dimension, row + 0.5, 0, row < BELOW ? ARMS : ARM);
+    if (row >= BELOW) count += put_row(s, dimension, row + 0.5, ARM + 1, ARMS);
+  }
+  until_asleep(s, count);
+  for (uint32_t row = 0; row < ROWS; ++row) {
+    assert_ok(pbf_get_positions(s, 0, count, x));
+    double level = 0;
+    for (uint32_t i = 0; i < count; ++i)
+      if (x[i * dimension] < 0.05f * ARM) level = fmax(level, (double)x[i * dimension + 1] / 0.05);
+    count += put_row(s, dimension, level + 1, 0, ARM);
+    assert_ok(pbf_step(s, STEPS_A_ROW));
+  }
+  assert_ok(pbf_get_positions(s, 0, count, x));
+  for (uint32_t i = 0; i < count; ++i) right += x[i * dimension] > 0.05f * ARMS / 2;
+  const double of = (double)right / (count - right);
+  if (!(of > 0.7)) fail_msg("%uD: the other arm has %g of what this one has", dimension, of);
+  pbf_destroy(s);
+}
+
+static void a_level_that_rises_wakes_what_is_far(void **state) {
+  (void)state;
+  pbf_params params = sleepy();
+  pbf_destroy(solver_with(3, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
+  if (test_has_kind(2, PBF_FLOAT32)) check_arms(2);
+  check_arms(3);
+}
+
 /* max(rho/rho0 - 1, 0) of all, and the mean of their pressures. */
 typedef struct excess {
   double mean, most, pressure;
@@ -614,6 +676,7 @@ int main(void) {
       cmocka_unit_test(nor_within_a_tolerance),
       cmocka_unit_test(a_dam_that_slept_breaks),
       cmocka_unit_test(stirred_at_one_end_the_other_sleeps),
+      cmocka_unit_test(a_level_that_rises_wakes_what_is_far),
   };
   return TEST_RUN(sleep);
 }
