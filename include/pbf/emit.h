@@ -9,8 +9,8 @@
  *
  * A particle stands for the volume spacing^dimension. The rules of pbf.h hold here, too. A solver
  * without any of them has no memory and no time for them; with drains each step looks at all
- * positions, with reservoirs it does so twice, on a device by a copy of them. One that adds or
- * removes particles wakes those asleep.
+ * positions, with reservoirs it does so twice, on a device by a copy of them. What removes
+ * particles wakes those asleep, what adds some wakes as pbf_params.sleep_speed says.
  */
 #ifndef PBF_EMIT_H
 #define PBF_EMIT_H
