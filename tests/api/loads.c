@@ -93,11 +93,16 @@ static void check_swing(uint32_t dimension, uint32_t precision) {
   load_end(&s);
 }
 
+static pbf_collider box_below(void) {
+  pbf_collider box = load_collider(PBF_COLLIDER_BOX, 0.2, -0.4, 0.2);
+  for (int k = 0; k < 3; ++k) box.half_extents[k] = k == 1 ? 0.4 : 0.5;
+  return box;
+}
+
 /* A box that is set anew, or moved, for each step. */
 static void check_lift(uint32_t dimension, uint32_t precision, int is_moved) {
   enum { STEPS = 6 };
-  pbf_collider box = load_collider(PBF_COLLIDER_BOX, 0.2, -0.2, 0.2);
-  for (int k = 0; k < 3; ++k) box.half_extents[k] = k == 1 ? 0.2 : 0.5;
+  pbf_collider box = box_below();
   load_scene s = column(dimension, precision, &box);
   const double dt = s.params.time_step, lift = 0.3 * load_gravity;
   const double weight = s.count * s.mass * load_gravity;
@@ -121,8 +126,26 @@ static void check_lift(uint32_t dimension, uint32_t precision, int is_moved) {
   load_end(&s);
 }
 
+/* One that rises evenly bears the weight in each step, wherever its face is in a cell. */
+static void check_rise(uint32_t dimension, uint32_t precision) {
+  enum { STEPS = 60 };
+  pbf_collider box = box_below();
+  load_scene s = column(dimension, precision, &box);
+  const double weight = s.count * s.mass * load_gravity;
+  box.velocity[1] = 0.1;
+  assert_ok(pbf_set_colliders(s.solver, 1, &box));
+  for (int k = 0; k < STEPS; ++k) {
+    pbf_collider_load load;
+    assert_ok(pbf_step(s.solver, 1));
+    load_colliders(&s, 1, &load);
+    if (k > 3) load_expect("the weight on a box that rises", -load_force(&load, 1), weight, 0.15);
+  }
+  load_end(&s);
+}
+
 static void check_lifts(uint32_t dimension, uint32_t precision) {
   check_swing(dimension, precision);
+  check_rise(dimension, precision);
   check_lift(dimension, precision, 0);
   check_lift(dimension, precision, 1);
 }

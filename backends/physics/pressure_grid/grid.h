@@ -328,13 +328,15 @@ PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[P
   return inside;
 }
 
-/* The part of a cell around `middle` that a surface leaves free. */
+/* The part of a cell around `middle` that a surface leaves free; none where a row of particles has
+ * no room in it: an empty sliver would be air, in which pressure ends. */
 template <class Surface>
 PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle) {
   pbf_vec normal;
   const pbf_real enough = (pbf_real)(0.5 * c->width);
   const double distance = (double)pbf_nearest_distance(s, middle, enough, &normal);
-  return pbf_min(pbf_max(0.5 + distance / c->width, 0), 1);
+  const double part = pbf_min(0.5 + distance / c->width, 1);
+  return part < c->spacing ? 0 : part;
 }
 
 namespace {
