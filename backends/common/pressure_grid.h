@@ -144,12 +144,13 @@ static inline void pbf_pressure_grid_note_surfaces(pbf_pressure_grid_storage *st
 static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
                                                 const pbf_topology_memory *memory,
                                                 const pbf_params *params, int corrects_shear,
-                                                const pbf_domain *domain, uint32_t capacity,
-                                                uint32_t count, const pbf_obstacles *o,
-                                                pbf_surface *surfaces) {
+                                                const pbf_domain *domain, double time,
+                                                uint32_t capacity, uint32_t count,
+                                                const pbf_obstacles *o, pbf_surface *surfaces) {
   uint64_t limit = pbf_pressure_grid_limit(count);
   pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit);
+  pbf_pressure_grid_set_gains(&now, params, domain, time);
   *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
   if (!memory->bytes ||
       !(pbf_pressure_grid_has_thin(&now, o) || pbf_pressure_grid_is_periodic(&now))) {
@@ -159,6 +160,7 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
   }
   now = pbf_pressure_grid_between(params, domain, corrects_shear,
                                   pbf_pressure_grid_first_further(limit));
+  pbf_pressure_grid_set_gains(&now, params, domain, time);
   const int stands = pbf_pressure_grid_stands(storage, &now, o);
   storage->grid = now;
   pbf_pressure_grid_reach(&now, o);
@@ -194,18 +196,18 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
                       : t->first;
 }
 
-/* Before particles add to the sums, in a grid for `count` of them. `surfaces` is room for as many
- * as the obstacles have; its content stays until the next step. */
+/* Before particles add to the sums, in a grid for `count` of them, in the step that ends at a time.
+ * `surfaces` is room for as many as the obstacles have; its content stays until the next step. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
                                            const pbf_params *params, int corrects_shear,
-                                           uint32_t capacity, uint32_t count,
+                                           double time, uint32_t capacity, uint32_t count,
                                            const pbf_obstacles *o, pbf_surface *surfaces) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
-  pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, capacity, count, o,
-                               surfaces);
+  pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, time, capacity,
+                               count, o, surfaces);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
   if (storage->cell_moves)

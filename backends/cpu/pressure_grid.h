@@ -21,8 +21,8 @@ static void end_search_with_grid(void *context) {
   if (s->wanted.lacking) return;
   s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.corrects_shear, s->capacity, s->planned, &w->obstacles,
-                          s->table.divided);
+                          s->schedule.corrects_shear, w->placed_at, s->capacity, s->planned,
+                          &w->obstacles, s->table.divided);
   s->pressure_grid.carried = w->constants.phases.carried;
 }
 

@@ -317,6 +317,7 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
   if (s->pressure_grid_is_torn)
     s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear,
                                                  pbf_pressure_grid_first_further(limit));
+  pbf_pressure_grid_set_gains(&s->pressure_grid, &s->params, &domain, time);
 }
 
 #endif

@@ -67,8 +67,6 @@ static inline pbf_domain pbf_domain_within(pbf_domain domain, const pbf_surface 
     pbf_real lower = pbf_real_max(domain.lower.c[k], s->center.c[k] - reach);
     pbf_real upper = pbf_real_min(domain.upper.c[k], s->center.c[k] + reach);
     if (!(lower < upper)) continue;
-    if (lower > domain.lower.c[k]) domain.lower_gain.c[k] = 0;
-    if (upper < domain.upper.c[k]) domain.upper_gain.c[k] = 0;
     domain.lower.c[k] = lower;
     domain.upper.c[k] = upper;
   }

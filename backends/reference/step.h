@@ -144,11 +144,12 @@ static inline void find_overlap(solver *s, const pbf_obstacles *before, const pb
 }
 
 /* Deep water: what its weight presses together is undone before the iterations. */
-static inline void solve_pressure_grid(solver *s, const pbf_obstacles *o) {
+static inline void solve_pressure_grid(solver *s, double time, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
   s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.corrects_shear, s->capacity, s->planned, o, s->table.divided);
+                          s->schedule.corrects_shear, time, s->capacity, s->planned, o,
+                          s->table.divided);
   s->pressure_grid.carried = s->constants.phases.carried;
   for (uint32_t i = 0; i < s->count; ++i) {
     const pbf_real target = s->constants.target;
@@ -557,7 +558,7 @@ struct executor {
     over = false;
     s->iterations = 0;
   }
-  void pressure_grid() { solve_pressure_grid(s, &obstacles); }
+  void pressure_grid() { solve_pressure_grid(s, ends, &obstacles); }
   bool is_converged(uint32_t) const { return over; }
   void begin_iteration(uint32_t k) { pbf_set_iteration(&s->constants, k); }
   void lambda(uint32_t k) {

@@ -192,8 +192,6 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
     c.pull[k] = -dt2 * params->attraction;
     c.wrap[k] = pbf_pressure_grid_wraps(params, walls, k) ? (uint32_t)c.n[k] * c.nodes : 0;
     if (c.wrap[k]) c.push[k] = c.pull[k] = 0; /* fluid stands against nothing there, and flows */
-    c.lower_gain[k] = (double)walls->lower_gain.c[k] / width;
-    c.upper_gain[k] = (double)walls->upper_gain.c[k] / width;
     c.middle[k] = (c.n[k] + 1) / 2;
     c.drag_move[k] = c.move * params->drag_velocity[k];
     if (fabs(c.push[k]) > fabs(c.push[c.axis])) c.axis = k;
@@ -202,6 +200,20 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
     c.nodes *= c.size[k];
   }
   return c;
+}
+
+/* In the step that ends then, of the domain's own walls: where a container ends before, it is that
+ * which gains. */
+static inline void pbf_pressure_grid_set_gains(pbf_pressure_grid *c, const pbf_params *params,
+                                               const pbf_domain *walls, double time) {
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const pbf_real lower = (pbf_real)pbf_motion_wall(params, 2 * k, time);
+    const pbf_real upper = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
+    if (walls->lower.c[k] == lower)
+      c->lower_gain[k] = c->per_width * pbf_motion_wall_gain(params, 2 * k, time);
+    if (walls->upper.c[k] == upper)
+      c->upper_gain[k] = c->per_width * pbf_motion_wall_gain(params, 2 * k + 1, time);
+  }
 }
 
 PBF_FN int pbf_pressure_grid_is_periodic(const pbf_pressure_grid *c) {

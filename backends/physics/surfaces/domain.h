@@ -12,7 +12,6 @@ typedef struct pbf_domain {
   pbf_real bounce_depth; /* half of h, or 0 where walls give nothing back: see pbf_bounce */
   pbf_real ghost_reach;  /* particles this near to a wall have ghosts in it (ghosts.h): h, or 0 */
   pbf_real rounding;     /* what rounding may take from distances in it */
-  pbf_vec lower_gain, upper_gain; /* what walls move more in the step than in the one before */
 } pbf_domain;
 
 /* ---- Whether its walls have ghosts ---------------------------------------------------------- */
@@ -62,8 +61,6 @@ static inline pbf_domain pbf_domain_at(const pbf_params *params, double time,
   for (int k = 0; k < PBF_DIM; ++k) {
     domain.lower.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     domain.upper.c[k] = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
-    domain.lower_gain.c[k] = (pbf_real)pbf_motion_wall_gain(params, 2 * k, time);
-    domain.upper_gain.c[k] = (pbf_real)pbf_motion_wall_gain(params, 2 * k + 1, time);
   }
   domain.ghost_reach = pbf_ghost_reach(params, close_phases, domain.lower, domain.upper);
   domain.rounding = (pbf_real)pbf_domain_rounding(&domain);
