@@ -4,7 +4,7 @@ from __future__ import annotations
 import enum
 import weakref
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 from ._errors import InvalidArgumentError, check
@@ -77,6 +77,10 @@ class Collider:
     inverted: bool = False
     """A container: the fluid stays inside."""
     path: MotionPath = MotionPath.AUTO
+    last_velocity: Vector = field(default=(0.0, 0.0, 0.0), compare=False)
+    """Told, and not looked at where it is set: the velocities with which it has come there …"""
+    last_angular_velocity: Vector = field(default=(0.0, 0.0, 0.0), compare=False)
+    """… those that it had before it was set anew."""
 
     def _write(self, struct: Any) -> Geometry | None:
         """Its geometry, which has to live as long as the struct is looked at."""
@@ -84,8 +88,8 @@ class Collider:
         struct.inverted = bool(self.inverted)
         struct.path = uint32("path", self.path)
         geometry: Geometry | None = None
-        for field in fields(self):
-            value, name = getattr(self, field.name), field.name
+        for name in (each.name for each in fields(self)):
+            value = getattr(self, name)
             if name in ("inverted", "path"):
                 continue
             if name == "geometry":
@@ -98,7 +102,7 @@ class Collider:
                 setattr(struct, name, real(name, value))
                 continue
             lengths = (4,) if name == "orientation" else (2, 3)
-            numbers = reals(name, value, (3,) if name == "angular_velocity" else lengths)
+            numbers = reals(name, value, (3,) if name.endswith("angular_velocity") else lengths)
             if len(numbers) == 2:
                 numbers.append(_THIRD.get(name, 0.0))
             setattr(struct, name, numbers)
@@ -139,12 +143,12 @@ KINDS: dict[int, type[Collider]] = {kind.shape: kind for kind in (Plane, Sphere,
 
 def collider_of(struct: Any) -> Collider:
     values: dict[str, Any] = {}
-    for field in fields(Collider):
-        if field.name == "geometry":
+    for name in (each.name for each in fields(Collider)):
+        if name == "geometry":
             values["geometry"] = Geometry._borrowed(struct.geometry)
             continue
-        value = getattr(struct, field.name)
-        values[field.name] = tuple(value) if isinstance(value, ffi.CData) else value
+        value = getattr(struct, name)
+        values[name] = tuple(value) if isinstance(value, ffi.CData) else value
     values.update(inverted=bool(struct.inverted), path=MotionPath(struct.path))
     return KINDS[struct.shape](**values)
 

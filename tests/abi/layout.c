@@ -118,7 +118,7 @@ AT(pbf_shape_info, area, 112);
 AT(pbf_shape_info, bytes, 120);
 AT(pbf_shape_info, hash, 128);
 
-SIZE(pbf_collider, 288);
+SIZE(pbf_collider, 336);
 AT(pbf_collider, struct_size, 0);
 AT(pbf_collider, shape, 4);
 AT(pbf_collider, inverted, 8);
@@ -142,6 +142,8 @@ AT(pbf_collider, friction, 256);
 AT(pbf_collider, static_friction, 264);
 AT(pbf_collider, no_slip, 272);
 AT(pbf_collider, adhesion, 280);
+AT(pbf_collider, last_velocity, 288);
+AT(pbf_collider, last_angular_velocity, 312);
 
 SIZE(pbf_collider_load, 128);
 AT(pbf_collider_load, struct_size, 0);
@@ -363,7 +365,7 @@ AT(pbf_particles, ids, 8);
 AT(pbf_particles, positions, 16);
 AT(pbf_particles, velocities, 24);
 AT(pbf_particles, phase, 32);
-AT(pbf_particles, reserved, 36);
+AT(pbf_particles, wakes_all, 36);
 
 SIZE(pbf_phase_table, 224);
 AT(pbf_phase_table, struct_size, 0);
