@@ -216,13 +216,16 @@ static inline void pbf_motion_last_velocities(const pbf_collider *at_set, double
  * from what it had before. */
 static inline void pbf_motion_gain(const pbf_collider *at_set, double elapsed, double time_step,
                                    double way[3], double turn[3]) {
-  const double moved = pbf_motion_time(at_set, elapsed);
-  const double before = pbf_motion_time(at_set, fmax(elapsed - time_step, 0));
-  const int is_first = elapsed < 1.5 * time_step;
-  const double earlier = pbf_motion_time(at_set, fmax(elapsed - 2 * time_step, 0));
+  const double starts = fmax(elapsed - time_step, 0), began = fmax(starts - time_step, 0);
+  const double moved = pbf_motion_time(at_set, elapsed), before = pbf_motion_time(at_set, starts);
   const double *v = at_set->velocity, *w = at_set->angular_velocity;
-  double more = moved - before - (is_first ? time_step : before - earlier);
-  if (!(fabs(more) > 1e-6 * time_step)) more = 0;
+  for (int a = 0; a < 3; ++a) way[a] = turn[a] = 0;
+  if (!(time_step > 0 && elapsed > 0)) return;
+  /* Steps before may have been shorter: what counts is the part of one that it moves. */
+  const int is_first = starts < 1e-4 * time_step;
+  double part = (moved - before) / time_step - 1;
+  if (!is_first) part += 1 - (before - pbf_motion_time(at_set, began)) / (starts - began);
+  const double more = fabs(part) > 1e-6 ? part * time_step : 0;
   for (int a = 0; a < 3; ++a) {
     way[a] = more * v[a];
     turn[a] = more * w[a];

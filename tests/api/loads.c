@@ -62,7 +62,9 @@ static load_scene column(uint32_t dimension, uint32_t precision, const pbf_colli
   params.time_step = 1.0 / 60;
   load_scene s =
       load_scene_of(dimension, precision, &params, size, load_everywhere, box != NULL, box);
+  pbf_collider_load settling;
   assert_ok(pbf_step(s.solver, LIFT_SETTLES));
+  if (box) load_colliders(&s, 1, &settling);
   return s;
 }
 
@@ -136,9 +138,13 @@ static void check_rise(uint32_t dimension, uint32_t precision) {
   assert_ok(pbf_set_colliders(s.solver, 1, &box));
   for (int k = 0; k < STEPS; ++k) {
     pbf_collider_load load;
+    s.params.time_step = k == 0 ? 1.0 / 240 : 1.0 / 60; /* what began in a short one is no news */
+    if (k < 2) assert_ok(pbf_set_params(s.solver, &s.params));
     assert_ok(pbf_step(s.solver, 1));
     load_colliders(&s, 1, &load);
-    if (k > 3) load_expect("the weight on a box that rises", -load_force(&load, 1), weight, 0.15);
+    if (k > 0)
+      load_expect("the weight on a box that rises", -load_force(&load, 1), weight,
+                  k < 4 ? 0.3 : 0.15);
   }
   load_end(&s);
 }
