@@ -1,5 +1,7 @@
 /* Fields from the caller's own layout: the state that the plain calls leave, to the bit; and memory
  * of a device that a solver does not run on. */
+#include <stdio.h>
+
 #include "support.h"
 
 enum { COUNT = 60, CAPACITY = 80, FIRST = 9, SOME = 20, ROOM = 5 * CAPACITY };
