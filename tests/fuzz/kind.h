@@ -3,6 +3,7 @@
 #define PBF_TESTS_FUZZ_KIND_H
 
 #include <pbf/pbf.h>
+#include <string.h>
 
 #include "insist.h"
 #include "pbf_build.h"
