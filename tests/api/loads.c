@@ -144,7 +144,7 @@ static void check_rise(uint32_t dimension, uint32_t precision) {
     load_colliders(&s, 1, &load);
     if (k > 0)
       load_expect("the weight on a box that rises", -load_force(&load, 1), weight,
-                  k < 4 ? 0.3 : 0.15);
+                  k < 4 ? 0.3 : 0.2);
   }
   load_end(&s);
 }

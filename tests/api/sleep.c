@@ -234,9 +234,10 @@ static void an_impact_wakes(void **state) {
  * and where particles have been placed is asked of all others. */
 static void rain_falls_on_sleepers(void **state) {
   (void)state;
-  enum { WIDE = 40, DROPS = 16, ROUNDS = 6 };
+  enum { WIDE = 256, DROPS = 10, ROUNDS = 3 }; /* in all fewer than a layer, which wakes all */
   float x[2 * WIDE * HIGH];
   pbf_params params = sleepy();
+  pbf_destroy(solver_with(2, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
   pbf_desc desc = test_desc(2, PBF_FLOAT32, WIDE * HIGH + DROPS * ROUNDS);
   params.domain_max[0] = 0.05 * WIDE;
   pbf_solver *s = test_create(&desc, &params);
@@ -248,7 +249,7 @@ static void rain_falls_on_sleepers(void **state) {
   until_asleep(s, WIDE * HIGH);
   for (uint32_t round = 0; round < ROUNDS; ++round) {
     for (uint32_t i = 0; i < DROPS; ++i) {
-      x[2 * i] = 0.05f + 0.002f * (float)((i * 37 + round * 11) % DROPS);
+      x[2 * i] = 0.05f + 0.002f * (float)((i * 37 + round * 11) % 16);
       x[2 * i + 1] = 0.5f + 0.02f * (float)(i % 5);
     }
     assert_ok(pbf_add_particles(s, DROPS, x, NULL, NULL));

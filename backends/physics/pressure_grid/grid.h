@@ -340,15 +340,19 @@ PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[P
   return inside;
 }
 
-/* The part of a cell around `middle` that a surface leaves free; none where a row of particles has
- * no room in it: an empty sliver would be air, in which pressure ends. */
+/* Particles come to rest half a spacing off a solid: less of a cell than so many spacings, and a
+ * little, holds no row of them. */
+#define PBF_PRESSURE_GRID_SLIVER 0.6
+
+/* The part of a cell around `middle` that a surface leaves free; none where it has no row of
+ * particles: an empty sliver would be air, in which pressure ends. */
 template <class Surface>
 PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle) {
   pbf_vec normal;
   const pbf_real enough = (pbf_real)(0.5 * c->width);
   const double distance = (double)pbf_nearest_distance(s, middle, enough, &normal);
   const double part = pbf_min(0.5 + distance / c->width, 1);
-  return part < c->spacing ? 0 : part;
+  return part < PBF_PRESSURE_GRID_SLIVER * c->spacing ? 0 : part;
 }
 
 namespace {

@@ -200,7 +200,7 @@ static inline pbf_surface pbf_surface_at(const pbf_collider *at_set, double elap
   pbf_motion_collider(at_set, elapsed, &now);
   pbf_motion_collider(at_set, elapsed - time_step, &before);
   pbf_surface s = pbf_surface_between(&before, &now);
-  pbf_set_gain(&s, at_set, elapsed, time_step);
+  if (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) pbf_set_gain(&s, at_set, elapsed, time_step);
   return s;
 }
 
