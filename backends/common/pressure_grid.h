@@ -393,13 +393,8 @@ static inline void pbf_pressure_grid_guess_all(pbf_pressure_grid_storage *storag
   const pbf_pressure_grid_topology *t = &storage->topology;
   pbf_pressure_grid_guess_torn(storage, source_scale->part);
   for (uint32_t column = 0; column < pbf_pressure_grid_columns(c); ++column)
-    if (t->is_active)
-      pbf_pressure_grid_guess_between(c, t, source_scale->part, storage->inverse,
-                                      storage->free_volumes, storage->depths, column,
-                                      storage->lambda);
-    else
-      pbf_pressure_grid_guess(c, source_scale->part, storage->inverse, storage->depths, column,
-                              storage->lambda);
+    pbf_pressure_grid_guess(c, t, source_scale->part, storage->inverse, storage->free_volumes,
+                            storage->depths, column, storage->lambda);
   memcpy(storage->before, storage->lambda, c->nodes * sizeof *storage->lambda);
 }
 

@@ -217,12 +217,9 @@ static __device__ __forceinline__ double free_volume_of(const pbf_pressure_grid 
   } else {
     int i[PBF_DIM];
     pbf_pressure_grid_place(&grid, cell, i);
-    double free_volume = pbf_pressure_grid_inside(&grid, i);
-    const pbf_vec middle = pbf_cell_middle(&grid, i);
     const double reach = 0.51 * grid.width * scene_behind(o)->grid.steepest;
-    surfaces_around(o.surfaces, &scene_behind(o)->grid, middle, middle, reach)
-        .each([&](const pbf_surface &s) { free_volume *= pbf_part_free_of(&grid, &s, middle); });
-    return free_volume;
+    const auto near = obstacles_near<SURFACES>(o, pbf_cell_middle(&grid, i), reach);
+    return pbf_pressure_grid_free_volume_at(&grid, near, i);
   }
 }
 
@@ -370,9 +367,10 @@ static __device__ __forceinline__ uint32_t pressure_grid_stands(const double *in
   return max_layers;
 }
 
-/* Where the solve starts, pbf_pressure_grid_guess: a warp a column. */
+/* Where the solve starts, pbf_pressure_grid_guess: without solids a warp a column, since what is
+ * not above the domain's wall stands on nothing. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    pressure_grid_guess_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
+    guess_over_walls_kernel(pbf_pressure_grid grid, pressure_grid_arrays a) {
   uint32_t column = thread_index() / 32, top = 1 + (uint32_t)grid.n[grid.axis];
   const double part = grid_source_scale(grid, a).part;
   if (column >= pbf_pressure_grid_columns(&grid)) return;
@@ -388,7 +386,7 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   }
 }
 
-/* The same between thin solids: of torn nodes, … */
+/* The same with solids: of torn nodes, … */
 static __global__ void __launch_bounds__(PBF_BLOCK)
     guess_torn_kernel(const __grid_constant__ pbf_pressure_grid grid,
                       const __grid_constant__ pressure_grid_arrays a) {
@@ -403,13 +401,13 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
 
 /* … and of the others: a thread a column. */
 static __global__ void __launch_bounds__(PBF_BLOCK)
-    guess_between_kernel(const __grid_constant__ pbf_pressure_grid grid,
-                         const __grid_constant__ pressure_grid_arrays a) {
+    guess_kernel(const __grid_constant__ pbf_pressure_grid grid,
+                 const __grid_constant__ pressure_grid_arrays a) {
   uint32_t column = thread_index();
   const double part = grid_source_scale(grid, a).part;
   if (column >= pbf_pressure_grid_columns(&grid)) return;
-  pbf_pressure_grid_guess_between(&grid, &a.topology, part, a.inverse, a.free_volumes, a.depths,
-                                  column, a.lambda);
+  pbf_pressure_grid_guess(&grid, &a.topology, part, a.inverse, a.free_volumes, a.depths, column,
+                          a.lambda);
   const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(&grid, column);
   a.before[at.outside] = a.lambda[at.outside];
   for (int64_t i = 0; i <= grid.n[grid.axis]; ++i)

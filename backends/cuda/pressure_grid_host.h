@@ -257,14 +257,14 @@ static inline pbf_status find_topology(solver *s, const pressure_grid_arrays &ar
 static inline void launch_guess(solver *s, const pressure_grid_arrays &arrays) {
   const pbf_pressure_grid &grid = s->pressure_grid;
   const uint32_t columns = pbf_pressure_grid_columns(&grid);
-  if (!s->pressure_grid_is_torn) {
-    launch_early(s, pressure_grid_guess_kernel, blocks_for(32 * columns), PBF_BLOCK, 0, grid,
-                 arrays);
+  if (!s->collider_count && !s->pressure_grid_is_torn) {
+    launch_early(s, guess_over_walls_kernel, blocks_for(32 * columns), PBF_BLOCK, 0, grid, arrays);
     return;
   }
-  guess_torn_kernel<<<blocks_for(pressure_grid_indices(s)), PBF_BLOCK, 0, s->stream>>>(grid,
-                                                                                       arrays);
-  guess_between_kernel<<<blocks_for(columns), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
+  if (s->pressure_grid_is_torn)
+    guess_torn_kernel<<<blocks_for(pressure_grid_indices(s)), PBF_BLOCK, 0, s->stream>>>(grid,
+                                                                                         arrays);
+  guess_kernel<<<blocks_for(columns), PBF_BLOCK, 0, s->stream>>>(grid, arrays);
 }
 
 /* The grid's equations and their solution, once the particles have been summed up. */

@@ -164,6 +164,42 @@ static void planes_hold_deep_water(void **state) {
   test_for_long_kinds(check_between_planes);
 }
 
+/* A floor and two sides that stand on it, flush, thicker than what parts the grid, cut its cells
+ * where they like: below the sides is no room, and above the floor is as much as the floor leaves.
+ */
+static void check_thick_boxes(uint32_t dimension, uint32_t precision) {
+  enum { THICK = 20 };
+  pbf_params params = column_params(-1);
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  pbf_collider boxes[3];
+  const double left = 25 * spacing, floor = 21.43 * spacing, width = COLUMNS * spacing;
+  const double half = THICK * spacing / 2, tall = (LAYERS + 12) * spacing / 2;
+  params.domain_max[0] = (50 + COLUMNS) * spacing;
+  params.domain_max[1] += 40 * spacing;
+  for (int k = 0; k < 3; ++k) {
+    assert_ok(pbf_collider_init(&boxes[k], sizeof *boxes, PBF_COLLIDER_BOX));
+    boxes[k].position[0] = left + width / 2 + (k - 1) * (width / 2 + half);
+    boxes[k].position[1] = k == 1 ? floor - half : floor + tall;
+    boxes[k].half_extents[0] = k == 1 ? width / 2 + 2 * half : half;
+    boxes[k].half_extents[1] = k == 1 ? half : tall;
+  }
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, left, floor, 1);
+  assert_ok(pbf_set_colliders(s, 3, boxes));
+  assert_true(keeps_grid(s));
+  assert_ok(pbf_step(s, 200));
+  const double height = stats_of(s).center_of_mass[1] - floor, right = 0.5 * spacing * LAYERS;
+  if (!(fabs(height / right - 1) < 0.01))
+    fail_msg("%uD: it is %g high for %g", dimension, height, right);
+  pbf_destroy(s);
+}
+
+static void thick_boxes_hold_deep_water(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
+  test_for_long_kinds(check_thick_boxes);
+}
+
 typedef struct filled {
   const char *what;
   double left[2], right[2], low, high; /* of up to two boxes in spacings, from wall to wall */
@@ -271,9 +307,13 @@ static void fluids_are_as_deep_as_one(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(where_eddies_want_it),    cmocka_unit_test(where_water_could_be_deep),
-      cmocka_unit_test(bottles_are_deep),        cmocka_unit_test(planes_hold_deep_water),
-      cmocka_unit_test(solids_leave_deep_water), cmocka_unit_test(fluids_are_as_deep_as_one),
+      cmocka_unit_test(where_eddies_want_it),
+      cmocka_unit_test(where_water_could_be_deep),
+      cmocka_unit_test(bottles_are_deep),
+      cmocka_unit_test(planes_hold_deep_water),
+      cmocka_unit_test(thick_boxes_hold_deep_water),
+      cmocka_unit_test(solids_leave_deep_water),
+      cmocka_unit_test(fluids_are_as_deep_as_one),
   };
   return TEST_RUN(tests);
 }

@@ -347,15 +347,41 @@ PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[P
 /* The part of a cell around `middle` that a surface leaves free; none where it has no row of
  * particles: an empty sliver would be air, in which pressure ends. */
 template <class Surface>
-PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle) {
-  pbf_vec normal;
+PBF_FN double pbf_part_free_of(const pbf_pressure_grid *c, const Surface *s, pbf_vec middle,
+                               pbf_vec *normal) {
   const pbf_real enough = (pbf_real)(0.5 * c->width);
-  const double distance = (double)pbf_nearest_distance(s, middle, enough, &normal);
+  const double distance = (double)pbf_nearest_distance(s, middle, enough, normal);
   const double part = pbf_min(0.5 + distance / c->width, 1);
   return part < PBF_PRESSURE_GRID_SLIVER * c->spacing ? 0 : part;
 }
 
+/* The part that two surfaces leave which leave `a` and `b`: the product where they are at right
+ * angles, the smaller one where they face the same way, as flush boxes in a floor, and what is
+ * between where they face each other: nothing below a box that stands on another one. */
+PBF_FN double pbf_part_free_of_both(double a, double b, double cosine) {
+  const double aligned = cosine > 0 ? pbf_min(a, b) : pbf_max(a + b - 1, 0);
+  const double weight = fabs(cosine);
+  return (1 - weight) * (a * b) + weight * aligned;
+}
+
 namespace {
+
+/* The part of what earlier ones leave of a cell that the surface of a number leaves. */
+template <class Obstacles>
+PBF_FN double pbf_part_left_by(const pbf_pressure_grid *c, const Obstacles &o, int number,
+                               pbf_vec middle) {
+  pbf_vec normal, of_other;
+  const double part = pbf_part_free_of(c, &o.surfaces[number], middle, &normal);
+  double left = part;
+  for (int s = 0; s < number && part < 1; ++s) {
+    const double other = pbf_part_free_of(c, &o.surfaces[s], middle, &of_other);
+    if (!(other > 0 && other < 1)) continue;
+    const double cosine = (double)pbf_dot(normal, of_other);
+    const double both = pbf_part_free_of_both(other, part, pbf_max(pbf_min(cosine, 1), -1)) / other;
+    if (fabs(both - part) > fabs(left - part)) left = both;
+  }
+  return left;
+}
 
 /* The part that is free of colliders, too. */
 template <class Obstacles>
@@ -364,8 +390,8 @@ PBF_FN double pbf_pressure_grid_free_volume_at(const pbf_pressure_grid *c, const
   double free_volume = pbf_pressure_grid_inside(c, i);
   pbf_vec middle;
   for (int k = 0; k < PBF_DIM; ++k) middle.c[k] = (pbf_real)(c->lower[k] + (i[k] - 0.5) * c->width);
-  for (int s = 0; s < pbf_surface_count(o); ++s)
-    free_volume *= pbf_part_free_of(c, &o.surfaces[s], middle);
+  for (int s = 0; s < pbf_surface_count(o) && free_volume > 0; ++s)
+    free_volume *= pbf_part_left_by(c, o, s, middle);
   return free_volume;
 }
 

@@ -122,23 +122,8 @@ PBF_FN double pbf_pressure_grid_weight(const pbf_pressure_grid *c, double part, 
   return -part * fabs(c->push[c->axis]) * cells;
 }
 
-/* The part of the weight of what stands above, in the run of nodes of a column that stands on the
- * domain's wall; 0 elsewhere. */
-PBF_FN void pbf_pressure_grid_guess(const pbf_pressure_grid *c, double part, const double *inverse,
-                                    const double *depths, uint32_t column, double *lambda) {
-  const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(c, column);
-  uint32_t top = 1 + (uint32_t)c->n[c->axis], stands = 0;
-  lambda[at.outside] = 0;
-  for (uint32_t i = 0; i < top; ++i) lambda[at.floor + i * at.up] = 0;
-  if (pbf_pressure_grid_down(c) == 0) return;
-  while (stands < top && inverse[at.floor + stands * at.up] > 0) ++stands;
-  if (!stands) return;
-  const double above = pbf_pressure_grid_column_above(depths, at, stands, top);
-  for (uint32_t i = 0; i < stands; ++i)
-    lambda[at.floor + i * at.up] = pbf_pressure_grid_weight(c, part, stands - 1 - i + above);
-}
-
-/* ---- … between thin solids ------------------------------------------------------------------ */
+/* ---- … on solids, and between thin ones -------------------------------------------------------
+ */
 
 /* Whether a node is not in the open. */
 PBF_FN int pbf_pressure_grid_is_solved(const pbf_pressure_grid_topology *t, const double *inverse,
@@ -190,18 +175,22 @@ PBF_FN double pbf_pressure_grid_torn_guess(const pbf_pressure_grid *c,
   return pbf_pressure_grid_weight(c, part, cells + above);
 }
 
-/* pbf_pressure_grid_guess, once the torn nodes have theirs: runs of nodes of a column that are not
- * torn, on whatever they stand, below whatever torn node or surface they end. */
-PBF_FN void pbf_pressure_grid_guess_between(const pbf_pressure_grid *c,
-                                            const pbf_pressure_grid_topology *t, double part,
-                                            const double *inverse, const double *free_volumes,
-                                            const double *depths, uint32_t column, double *lambda) {
+PBF_FN bool pbf_node_is_torn(const pbf_pressure_grid_topology *t, int64_t node) {
+  return t->is_active && t->torn[node];
+}
+
+/* The part of the weight of what stands above, once the torn nodes have theirs: in runs of nodes of
+ * a column that are not torn, on whatever they stand, below whatever torn node or surface they end;
+ * 0 elsewhere. */
+PBF_FN void pbf_pressure_grid_guess(const pbf_pressure_grid *c, const pbf_pressure_grid_topology *t,
+                                    double part, const double *inverse, const double *free_volumes,
+                                    const double *depths, uint32_t column, double *lambda) {
   const pbf_pressure_grid_column at = pbf_pressure_grid_column_at(c, column);
   const uint32_t top = 1 + (uint32_t)c->n[c->axis];
   const int upwards = pbf_pressure_grid_down(c) < 0;
   lambda[at.outside] = 0;
   for (uint32_t i = 0; i < top; ++i)
-    if (!t->torn[at.floor + i * at.up]) lambda[at.floor + i * at.up] = 0;
+    if (!pbf_node_is_torn(t, at.floor + i * at.up)) lambda[at.floor + i * at.up] = 0;
   if (pbf_pressure_grid_down(c) == 0) return;
   for (uint32_t i = 0; i < top;) {
     const uint32_t first = i;
@@ -212,11 +201,12 @@ PBF_FN void pbf_pressure_grid_guess_between(const pbf_pressure_grid *c,
       continue;
     }
     const int64_t last = at.floor + (i - 1) * at.up;
-    const int on_torn = first > 0 && t->torn[floor - at.up] && lambda[floor - at.up] < 0;
+    const int on_torn =
+        first > 0 && pbf_node_is_torn(t, floor - at.up) && lambda[floor - at.up] < 0;
     if (first > 0 && !on_torn &&
         pbf_pressure_grid_has_free_volume(c, free_volumes, (uint32_t)floor, !upwards))
       continue;
-    const double above = i < top && t->torn[last + at.up] && lambda[last + at.up] < 0
+    const double above = i < top && pbf_node_is_torn(t, last + at.up) && lambda[last + at.up] < 0
                              ? 1 + lambda[last + at.up] / pbf_pressure_grid_weight(c, part, 1)
                              : pbf_pressure_grid_column_above(depths, at, i, top);
     for (uint32_t k = first; k < i; ++k)
