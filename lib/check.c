@@ -120,6 +120,40 @@ pbf_status pbf_check_counts(const pbf_count_rule *rules, size_t count, const cha
   return PBF_OK;
 }
 
+static double norm(const double *v, uint32_t components) {
+  double sum = 0;
+  for (uint32_t i = 0; i < components; ++i) sum += v[i] * v[i];
+  return sqrt(sum);
+}
+
+pbf_status pbf_check_orientation(const double orientation[4], const char *label,
+                                 uint32_t dimension) {
+  const double *q = orientation, length = norm(q, 4), tolerance = 1e-6;
+  char number[5][PBF_NUMBER_SIZE];
+  if (!(fabs(length - 1) <= tolerance))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation is (%s, %s, %s, %s), of norm %s; it must be a unit quaternion "
+                    "x, y, z, w to within %g",
+                    label, pbf_text_number(number[0], q[0]), pbf_text_number(number[1], q[1]),
+                    pbf_text_number(number[2], q[2]), pbf_text_number(number[3], q[3]),
+                    pbf_text_number(number[4], length), tolerance);
+  if (dimension == 2 && (q[0] != 0 || q[1] != 0))
+    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g); in 2D x and y must be 0, a turn "
+                    "about z",
+                    label, q[0], q[1], q[2], q[3]);
+  return PBF_OK;
+}
+
+pbf_status pbf_check_axis(const double *axis, const char *label, uint32_t dimension) {
+  const double length = norm(axis, dimension);
+  if (length > 0 && isfinite(length)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "%s.axis has length %.9g; it must be a direction, not zero and not so long that "
+                  "its square overflows",
+                  label, length);
+}
+
 /* As arrays of a program's lie: on 32-bit x86 doubles are aligned to 4 bytes. */
 static uint32_t alignment_of(uint32_t element_size) {
   typedef struct behind_a_byte {

@@ -55,6 +55,13 @@ pbf_status pbf_check_counts(const pbf_count_rule *rules, size_t count, const cha
  * float64, in which also float32's are computed where they would overflow. */
 extern const double pbf_check_most;
 
+/* A unit quaternion x, y, z, w, in 2D of a turn about z. */
+pbf_status pbf_check_orientation(const double orientation[4], const char *label,
+                                 uint32_t dimension);
+
+/* A direction: neither zero nor so long that its square overflows. */
+pbf_status pbf_check_axis(const double *axis, const char *label, uint32_t dimension);
+
 /* Null when the number is finite in the solver's precision, else what it must be. */
 const char *pbf_check_finite(double value, uint32_t precision);
 

@@ -1,21 +1,17 @@
 #include "collider.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 #include <pbf/pbf_backend.h>
 
 #include "error.h"
-#include "text.h"
 
 #define COUNT(member, max, hint) \
   { #member, offsetof(pbf_collider, member), 0, max, hint, 0 }
 #define REAL(member, components, range) \
   { #member, offsetof(pbf_collider, member), components, range, 0 }
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
-
-static const double quaternion_tolerance = 1e-6;
 
 static const pbf_count_rule counts[] = {
     COUNT(shape, PBF_COLLIDER_SHAPE, " (PBF_COLLIDER_…)"),
@@ -121,43 +117,10 @@ static pbf_status check_geometry(const pbf_collider *collider, const char *label
                   label, geometry->dimension, kind.dimension);
 }
 
-static double norm(const double *v, uint32_t components) {
-  double sum = 0;
-  for (uint32_t i = 0; i < components; ++i) sum += v[i] * v[i];
-  return sqrt(sum);
-}
-
-static pbf_status check_orientation(const pbf_collider *collider, const char *label,
-                                    pbf_check_kind kind) {
-  const double *q = collider->orientation;
-  double length = norm(q, 4);
-  char number[5][PBF_NUMBER_SIZE];
-  if (!(fabs(length - 1) <= quaternion_tolerance)) {
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.orientation is (%s, %s, %s, %s), of norm %s; it must be a unit quaternion "
-                    "x, y, z, w to within %g",
-                    label, pbf_text_number(number[0], q[0]), pbf_text_number(number[1], q[1]),
-                    pbf_text_number(number[2], q[2]), pbf_text_number(number[3], q[3]),
-                    pbf_text_number(number[4], length), quaternion_tolerance);
-  }
-  if (kind.dimension == 2 && (q[0] != 0 || q[1] != 0)) {
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g); in 2D x and y must be 0, a turn "
-                    "about z",
-                    label, q[0], q[1], q[2], q[3]);
-  }
-  return PBF_OK;
-}
-
-static pbf_status check_axis(const pbf_collider *collider, const char *label, pbf_check_kind kind) {
+static pbf_status check_axis(const pbf_collider *collider, const char *label, uint32_t dimension) {
   if (collider->shape != PBF_COLLIDER_PLANE && collider->shape != PBF_COLLIDER_CAPSULE)
     return PBF_OK;
-  double length = norm(collider->axis, kind.dimension);
-  if (length > 0 && isfinite(length)) return PBF_OK;
-  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                  "%s.axis has length %.9g; it must be a direction, not zero and not so long that "
-                  "its square overflows",
-                  label, length);
+  return pbf_check_axis(collider->axis, label, dimension);
 }
 
 static pbf_status check_numbers(const pbf_collider *collider, const char *label,
@@ -175,8 +138,9 @@ static pbf_status check(const pbf_collider *collider, const char *label, pbf_che
   if (status == PBF_OK) status = check_geometry(collider, label, kind);
   if (status == PBF_OK && !(ordinary && has_ordinary_sizes(collider)))
     status = check_sizes(collider, label, kind, sizes);
-  if (status == PBF_OK) status = check_orientation(collider, label, kind);
-  if (status == PBF_OK) status = check_axis(collider, label, kind);
+  if (status == PBF_OK)
+    status = pbf_check_orientation(collider->orientation, label, kind.dimension);
+  if (status == PBF_OK) status = check_axis(collider, label, kind.dimension);
   return status;
 }
 

@@ -44,10 +44,8 @@ static pbf_status copy_in(const pbf_solver *solver, uint32_t count, const pbf_em
         pbf_struct_in_array(&pbf_kind_emitter, "emitters", theirs, first, i, &ours[i]);
     if (status == PBF_OK) status = pbf_emitter_check(&ours[i], i, solver->kind);
     if (status == PBF_OK) status = pbf_emitter_check_place(&ours[i], i, solver);
-    if (status == PBF_OK && ours[i].phase >= pbf_phases_count(solver->phases))
-      status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                        "emitters[%u].phase is %u; it must be below the number of phases, %u", i,
-                        ours[i].phase, pbf_phases_count(solver->phases));
+    if (status == PBF_OK)
+      status = pbf_phases_check_number(solver->phases, "emitters", i, ours[i].phase);
     if (status != PBF_OK) return status;
   }
   return PBF_OK;

@@ -70,11 +70,8 @@ static pbf_status check_place(const pbf_reservoir *r, uint32_t index, const pbf_
         "reservoirs[%u] has room for more particles in one layer than desc.capacity, %u", index,
         solver->capacity);
   pbf_status status = check_corners(&f.box, index, solver);
-  if (status == PBF_OK && r->phase >= pbf_phases_count(solver->phases))
-    status = pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                      "reservoirs[%u].phase is %u; it must be below the number of phases, %u",
-                      index, r->phase, pbf_phases_count(solver->phases));
-  return status;
+  if (status != PBF_OK) return status;
+  return pbf_phases_check_number(solver->phases, "reservoirs", index, r->phase);
 }
 
 /* ---- Calls ----------------------------------------------------------------------------------- */

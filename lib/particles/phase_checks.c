@@ -23,6 +23,14 @@ static pbf_status check_phase(const pbf_phase *phase, uint32_t index, pbf_check_
                   label, phase->rest_density);
 }
 
+pbf_status pbf_phases_check_number(const pbf_phases *phases, const char *list, uint32_t index,
+                                   uint32_t phase) {
+  if (phase < pbf_phases_count(phases)) return PBF_OK;
+  return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
+                  "%s[%u].phase is %u; it must be below the number of phases, %u", list, index,
+                  phase, pbf_phases_count(phases));
+}
+
 static int is_usual(const pbf_phase *phase) {
   return !(phase->rest_density < 1 || phase->rest_density > 1 || phase->viscosity < 1);
 }

@@ -48,6 +48,10 @@ static inline uint32_t pbf_phases_count(const pbf_phases *phases) {
   return phases ? phases->count : 1;
 }
 
+/* `list`[index].phase is the number of one. */
+pbf_status pbf_phases_check_number(const pbf_phases *phases, const char *list, uint32_t index,
+                                   uint32_t phase);
+
 /* The table, and then the rows of particles that it holds: of the solver's own ids where `ids` is
  * null. */
 pbf_status pbf_phases_to_backend(pbf_solver *solver, const pbf_phases *phases, uint32_t count,

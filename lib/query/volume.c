@@ -6,13 +6,11 @@
 
 #include "error.h"
 #include "structs.h"
-#include "text.h"
 
 #define REAL(member, components, range) \
   { #member, offsetof(pbf_volume, member), components, range, 0 }
 
 static const double pi = 3.14159265358979323846;
-static const double quaternion_tolerance = 1e-6;
 
 static const pbf_count_rule shape_rule = {
     "shape", offsetof(pbf_volume, shape), 0, PBF_VOLUME_CAPSULE, " (PBF_VOLUME_…)", 0};
@@ -29,31 +27,9 @@ static double norm(const double *v, uint32_t components) {
 
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
-static pbf_status check_orientation(const pbf_volume *volume, const char *label,
-                                    uint32_t dimension) {
-  const double *q = volume->orientation, length = norm(q, 4);
-  char number[PBF_NUMBER_SIZE];
-  if (!(fabs(length - 1) <= quaternion_tolerance))
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.orientation has the norm %s; it must be a unit quaternion x, y, z, w to "
-                    "within %g",
-                    label, pbf_text_number(number, length), quaternion_tolerance);
-  if (dimension == 2 && (q[0] != 0 || q[1] != 0))
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.orientation is (%.9g, %.9g, %.9g, %.9g); in 2D x and y must be 0, a turn "
-                    "about z",
-                    label, q[0], q[1], q[2], q[3]);
-  return PBF_OK;
-}
-
 static pbf_status check_capsule(const pbf_volume *volume, const char *label, pbf_check_kind kind) {
-  const double length = norm(volume->axis, kind.dimension);
-  char number[PBF_NUMBER_SIZE];
-  if (!(length > 0 && isfinite(length)))
-    return pbf_fail(PBF_ERROR_INVALID_ARGUMENT,
-                    "%s.axis has the length %s; it must be a direction, above 0 and finite", label,
-                    pbf_text_number(number, length));
-  return pbf_check_real(&length_rule, label, volume, kind);
+  pbf_status status = pbf_check_axis(volume->axis, label, kind.dimension);
+  return status == PBF_OK ? pbf_check_real(&length_rule, label, volume, kind) : status;
 }
 
 /* Of the precision that queries have. */
@@ -61,7 +37,7 @@ pbf_status pbf_volume_check(const pbf_volume *volume, const char *label, uint32_
   const pbf_check_kind kind = {dimension, PBF_FLOAT64};
   pbf_status status = pbf_check_count(&shape_rule, label, volume);
   if (status == PBF_OK) status = pbf_check_real(&position_rule, label, volume, kind);
-  if (status == PBF_OK) status = check_orientation(volume, label, dimension);
+  if (status == PBF_OK) status = pbf_check_orientation(volume->orientation, label, dimension);
   if (status == PBF_OK)
     status = pbf_check_real(volume->shape == PBF_VOLUME_BOX ? &box_rule : &radius_rule, label,
                             volume, kind);
