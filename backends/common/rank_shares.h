@@ -55,4 +55,25 @@ static inline bool pbf_take_share_of_added(const uint32_t *counts, uint32_t rank
   return true;
 }
 
+/* Leaves of new particles those that this rank has until the next step. `counts` has room for one
+ * of each rank, and each may have `capacity`. The backend has these of ranks: agree_on_call,
+ * gather_on_ranks, refuse_on_ranks. */
+template <class Solver>
+static bool share_of_added(Solver *s, uint32_t *counts, uint32_t capacity, pbf_particles *p) {
+  auto *r = &s->ranks;
+  const uint64_t total = (uint64_t)r->total + p->count;
+  const uint64_t hash = pbf_digest_of_added(r->particles, p);
+  if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
+      !gather_on_ranks(s, &s->count, counts, sizeof s->count))
+    return false;
+  if (!pbf_take_share_of_added(counts, r->count, r->rank, capacity, total, p)) {
+    refuse_on_ranks(s, PBF_ERROR_CAPACITY,
+                    "the particles do not fit into the local_capacity of all ranks");
+    return false;
+  }
+  r->particles = hash;
+  r->total = (uint32_t)total;
+  return true;
+}
+
 #endif

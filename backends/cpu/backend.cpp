@@ -172,7 +172,9 @@ static pbf_status project(solver *s, double time, uint32_t iterations) {
 
 static pbf_status add_particles(solver *s, const pbf_particles *particles) {
   pbf_particles share = *particles;
-  if (has_ranks(s) && !share_of_added(s, &share)) return end_on_ranks(s);
+  if (has_ranks(s) &&
+      !share_of_added(s, static_cast<uint32_t *>(s->ranks.gathered), s->local_capacity, &share))
+    return end_on_ranks(s);
   append(s, &share);
   init_new(s, s->count - share.count);
   if (particles->wakes_all) wake_all(s);

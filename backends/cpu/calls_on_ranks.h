@@ -76,25 +76,6 @@ static bool agree_on_step(solver *s, const pbf_step_times *times, uint32_t steps
 
 /* ---- In ------------------------------------------------------------------------------------ */
 
-/* Leaves of new particles those that this rank has until the next step. */
-static bool share_of_added(solver *s, pbf_particles *p) {
-  ranks_state *r = &s->ranks;
-  uint32_t *counts = static_cast<uint32_t *>(r->gathered);
-  const uint64_t total = (uint64_t)r->total + p->count;
-  const uint64_t hash = pbf_digest_of_added(r->particles, p);
-  if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
-      !gather_on_ranks(s, &s->count, counts, sizeof s->count))
-    return false;
-  if (!pbf_take_share_of_added(counts, r->count, r->rank, s->local_capacity, total, p)) {
-    refuse_on_ranks(s, PBF_ERROR_CAPACITY,
-                    "the particles do not fit into the local_capacity of all ranks");
-    return false;
-  }
-  r->particles = hash;
-  r->total = (uint32_t)total;
-  return true;
-}
-
 static uint64_t row_bytes_of(uint32_t which) {
   if (which == PBF_FIELD_POSITION || which == PBF_FIELD_VELOCITY ||
       which == PBF_BACKEND_FIELD_ACCELERATION)

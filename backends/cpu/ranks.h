@@ -8,10 +8,9 @@
 
 #include <pbf/ranks.h>
 
-#include "common/collider_digest.h"
-#include "common/digest.h"
 #include "common/fp_environment.h"
 #include "common/number.h"
+#include "common/rank_call.h"
 #include "common/system.h"
 #include "cpu/worker.h"
 
@@ -188,27 +187,6 @@ static inline bool keep_bytes(solver *s, const char *name, rank_memory *m, uint6
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
 
-/* What ranks must have in common in a call. */
-struct rank_call {
-  char call[32];
-  uint64_t room; /* capacity and local capacity */
-  uint64_t kind; /* variant, instruction set, shares */
-  uint64_t params, colliders, phases, particles, settings, arguments;
-};
-
-static inline const char *differing_part(const rank_call &a, const rank_call &b) {
-  if (a.room != b.room) return "desc.capacity, or local_capacity";
-  if (a.kind != b.kind) return "dimension, precision, instruction set or shares";
-  if (a.params != b.params) return "the parameters";
-  if (a.colliders != b.colliders) return "the colliders";
-  if (a.phases != b.phases) return "the phases";
-  if (a.particles != b.particles) return "the particles that were added, set or removed";
-  if (a.settings != b.settings)
-    return "emitters, drains, reservoirs, diffuse particles, snapshots or previous positions";
-  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
-  return a.arguments != b.arguments ? "the arguments of the call, or the time" : NULL;
-}
-
 /* The first parameter in which these differ, with both values; the parameters in both otherwise. */
 static inline void differing_param(const pbf_params &a, const pbf_params &b, char *text,
                                    size_t size) {
@@ -259,22 +237,15 @@ static inline void say_what_differs(solver *s, uint32_t other, const char *part,
 /* Begins a call that all ranks make alike; false where they do not, or one does not come. */
 static inline bool agree_on_call(solver *s, const char *call, const void *arguments,
                                  uint64_t bytes) {
-  rank_call mine, *all = static_cast<rank_call *>(s->ranks.gathered);
+  rank_call *all = static_cast<rank_call *>(s->ranks.gathered);
   if (!begin_on_ranks(s)) return false;
   const uint32_t room[2] = {s->capacity, s->local_capacity};
-  memset(&mine, 0, sizeof mine);
-  snprintf(mine.call, sizeof mine.call, "%s", call);
-  mine.room = digest(DIGEST_OF_NOTHING, room, sizeof room);
-  mine.kind = kind_digest(s);
-  mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
-  mine.colliders = digest_of_colliders(s->collider_count, s->table.list);
-  mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
-  mine.particles = s->ranks.particles;
-  mine.settings = s->ranks.settings;
-  mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
+  const rank_call mine =
+      rank_call_of(s, call, arguments, bytes, room, kind_digest(s), s->table.list);
   if (!gather_on_ranks(s, &mine, all, sizeof mine)) return false;
   for (uint32_t k = 1; k < s->ranks.count; ++k)
-    if (const char *part = differing_part(all[0], all[k])) {
+    if (const char *part =
+            differing_part(all[0], all[k], "dimension, precision, instruction set or shares")) {
       say_what_differs(s, k, part, all);
       return false;
     }

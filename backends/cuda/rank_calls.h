@@ -67,28 +67,10 @@ static inline pbf_status settle_state(solver *s) {
   return PBF_OK;
 }
 
-/* Leaves of new particles those that this rank has until the next step. */
-static inline bool share_of_added(solver *s, pbf_particles *p) {
-  rank_state *r = &s->ranks;
-  uint32_t counts[RANKS_OF_CUDA];
-  const uint64_t total = (uint64_t)r->total + p->count;
-  const uint64_t hash = pbf_digest_of_added(r->particles, p);
-  if (!agree_on_call(s, "pbf_add_particles", &hash, sizeof hash) ||
-      !gather_on_ranks(s, &s->count, counts, sizeof s->count))
-    return false;
-  if (!pbf_take_share_of_added(counts, r->count, r->rank, s->capacity, total, p)) {
-    refuse_on_ranks(s, PBF_ERROR_CAPACITY,
-                    "the particles do not fit into the local_capacity of all ranks");
-    return false;
-  }
-  r->particles = hash;
-  r->total = (uint32_t)total;
-  return true;
-}
-
 static inline pbf_status add_on_ranks(solver *s, const pbf_particles *particles) {
   pbf_particles share = *particles;
-  if (!share_of_added(s, &share)) return end_on_ranks(s);
+  uint32_t counts[RANKS_OF_CUDA];
+  if (!share_of_added(s, counts, s->capacity, &share)) return end_on_ranks(s);
   if (pbf_status status = settle_state(s)) return status;
   return population_add(s, &share);
 }

@@ -8,51 +8,25 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/collider_digest.h"
 #include "common/digest.h"
 #include "common/number.h"
+#include "common/rank_call.h"
 #include "cuda/arrays.h"
 #include "cuda/staging.h"
 
 /* ---- Agreement ----------------------------------------------------------------------------- */
 
-/* What ranks must have in common in a call, and whether one's memory has come to lie elsewhere. */
-struct rank_call {
-  char call[32];
-  uint64_t room, kind, params, colliders, phases, particles, settings, arguments;
+/* A call, and whether this rank's memory has come to lie elsewhere. */
+struct rank_call_and_memory : rank_call {
   uint64_t changed;
 };
 
-static inline const char *differing_part(const rank_call &a, const rank_call &b) {
-  if (a.room != b.room) return "desc.capacity, or local_capacity";
-  if (a.kind != b.kind) return "dimension, precision or shares";
-  if (a.params != b.params) return "the parameters";
-  if (a.colliders != b.colliders) return "the colliders";
-  if (a.phases != b.phases) return "the phases";
-  if (a.particles != b.particles) return "the particles that were added, set or removed";
-  if (a.settings != b.settings)
-    return "emitters, drains, reservoirs, diffuse particles, snapshots or previous positions";
-  if (memcmp(a.call, b.call, sizeof a.call) != 0) return "the call";
-  return a.arguments != b.arguments ? "the arguments of the call, or the time" : nullptr;
-}
-
-static inline rank_call rank_call_of(const solver *s, const char *call, const void *arguments,
-                                     uint64_t bytes) {
+static inline rank_call_and_memory own_call(const solver *s, const char *call,
+                                            const void *arguments, uint64_t bytes) {
   const uint32_t room[2] = {s->scene_capacity, s->capacity}, kind[2] = {PBF_DIM, sizeof(pbf_real)};
-  rank_call mine;
-  memset(&mine, 0, sizeof mine);
-  snprintf(mine.call, sizeof mine.call, "%s", call);
-  mine.room = digest(DIGEST_OF_NOTHING, room, sizeof room);
-  mine.kind = digest(DIGEST_OF_NOTHING, kind, sizeof kind);
-  mine.kind = digest(mine.kind, s->ranks.portions, s->ranks.count * sizeof(double));
-  mine.params = digest(DIGEST_OF_NOTHING, &s->params, sizeof s->params);
-  mine.colliders = digest_of_colliders(s->collider_count, s->colliders);
-  mine.phases = digest(DIGEST_OF_NOTHING, &s->phases, sizeof s->phases);
-  mine.particles = s->ranks.particles;
-  mine.settings = s->ranks.settings;
-  mine.arguments = digest(DIGEST_OF_NOTHING, arguments, bytes);
-  mine.changed = s->ranks.changed;
-  return mine;
+  uint64_t hash = digest(DIGEST_OF_NOTHING, kind, sizeof kind);
+  hash = digest(hash, s->ranks.portions, s->ranks.count * sizeof(double));
+  return {rank_call_of(s, call, arguments, bytes, room, hash, s->colliders), s->ranks.changed};
 }
 
 /* ---- Each other's memory ------------------------------------------------------------------- */
@@ -207,12 +181,12 @@ static inline bool connect_ranks(solver *s) {
 /* Begins a call that all ranks make alike; false where they do not, or one does not come. */
 static inline bool agree_on_call(solver *s, const char *call, const void *arguments,
                                  uint64_t bytes) {
-  rank_call mine = rank_call_of(s, call, arguments, bytes), all[RANKS_OF_CUDA];
+  rank_call_and_memory mine = own_call(s, call, arguments, bytes), all[RANKS_OF_CUDA];
   bool changed = false;
   if (!begin_on_ranks(s) || !gather_on_ranks(s, &mine, all, sizeof mine)) return false;
   for (uint32_t k = 0; k < s->ranks.count; ++k) {
     changed = changed || all[k].changed;
-    const char *part = differing_part(all[0], all[k]);
+    const char *part = differing_part(all[0], all[k], "dimension, precision or shares");
     if (!part) continue;
     char text[160];
     snprintf(text, sizeof text, "ranks 0 and %u differ in %s", k, part);
