@@ -9,7 +9,6 @@
 #include <io.h>
 #include <share.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <wchar.h>

@@ -1,7 +1,5 @@
 #include "status.h"
 
-#include <stddef.h>
-
 uint32_t pbf_version(void) {
   return PBF_VERSION_MAJOR * 1000000u + PBF_VERSION_MINOR * 1000u + PBF_VERSION_PATCH;
 }

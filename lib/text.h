@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <string.h>
 
 #include "compiler.h"
 #include "common/number.h"

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "core/error.h"
 #include "core/output_file.h"
 #include "interface.h"
 #include "offscreen.h"

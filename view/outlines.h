@@ -2,8 +2,6 @@
 #ifndef PBF_VIEW_OUTLINES_H
 #define PBF_VIEW_OUTLINES_H
 
-#include <vector>
-
 #include "camera.h"
 #include "program.h"
 #include "simulation.h"

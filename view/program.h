@@ -4,8 +4,6 @@
 
 #include <epoxy/gl.h>
 
-#include <string>
-
 namespace view {
 
 class Program {

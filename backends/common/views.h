@@ -2,8 +2,6 @@
 #ifndef PBF_COMMON_VIEWS_H
 #define PBF_COMMON_VIEWS_H
 
-#include <pbf/pbf.h>
-
 #include "physics/real.h"
 
 /* One number for each of `count` particles. */

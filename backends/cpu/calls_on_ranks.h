@@ -3,7 +3,6 @@
 #ifndef PBF_CPU_CALLS_ON_RANKS_H
 #define PBF_CPU_CALLS_ON_RANKS_H
 
-#include "common/report.h"
 #include "common/rank_shares.h"
 #include "common/id_rows.h"
 #include "cpu/arrays.h"

@@ -10,7 +10,6 @@
 #include "cpu/step_ranks.h"
 #include "cpu/velocities.h"
 #include "cpu/viscosity.h"
-#include "physics/passes/predict.h"
 #include "physics/step.h"
 
 /* To the images in the domain. */

@@ -2,7 +2,6 @@
 #include "common/extensions.h"
 #include "common/host_only.h"
 #include "common/report.h"
-#include "common/rows.h"
 #include "common/scene.h"
 #include "common/views.h"
 #include "physics/overfull.h"

@@ -6,7 +6,6 @@
 #include "physics/grid_loads.h"
 #include "physics/no_slip_loads.h"
 #include "physics/passes/predict.h"
-#include "reference/pressure_grid.h"
 #include "reference/sleep.h"
 
 static inline bool finds_loads(const solver *s) {

@@ -1,13 +1,11 @@
 /* The rows of an ablation as a table, JSON and a page. */
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
 
 #include "ablation/ablation.h"
-#include "core/error.h"
 #include "core/machine.h"
 #include "core/output_file.h"
 #include "core/resources.h"

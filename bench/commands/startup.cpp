@@ -4,7 +4,6 @@
 
 #include "commands/commands.h"
 #include "commands/options.h"
-#include "core/error.h"
 #include "core/interrupt.h"
 #include "worlds/worlds.h"
 

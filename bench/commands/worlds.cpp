@@ -6,7 +6,6 @@
 
 #include "commands/commands.h"
 #include "commands/options.h"
-#include "core/error.h"
 #include "core/interrupt.h"
 
 namespace bench {

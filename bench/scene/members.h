@@ -2,9 +2,7 @@
 #ifndef PBF_BENCH_MEMBERS_H
 #define PBF_BENCH_MEMBERS_H
 
-#include <algorithm>
 #include <string>
-#include <vector>
 
 #include "scene/fields.h"
 #include "scene/scene.h"

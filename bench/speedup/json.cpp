@@ -4,7 +4,6 @@
 #include <set>
 #include <sstream>
 
-#include "core/error.h"
 #include "core/machine.h"
 #include "core/output_file.h"
 #include "speedup/speedup.h"

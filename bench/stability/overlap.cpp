@@ -1,5 +1,4 @@
 /* Particles closer than the fluid ever puts them: cases 1, 2, 6, 27, 36. */
-#include <algorithm>
 
 #include "stability/cases.h"
 #include "stability/fluid.h"

@@ -1,5 +1,4 @@
 /* Fills stability.html with the verdicts. */
-#include <algorithm>
 #include <fstream>
 #include <iterator>
 

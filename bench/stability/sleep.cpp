@@ -1,8 +1,6 @@
 /* Fluid that sleeps and wakes: case 31. */
 #include <cmath>
-#include <string>
 
-#include "core/error.h"
 #include "stability/cases.h"
 #include "stability/fluid.h"
 

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
 #include "core/interrupt.h"

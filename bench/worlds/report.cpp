@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ablation/ablation.h"
-#include "core/error.h"
 #include "core/machine.h"
 #include "core/output_file.h"
 #include "core/table.h"

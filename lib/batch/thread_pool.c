@@ -1,7 +1,6 @@
 #include "thread_pool.h"
 
 #include <stdatomic.h>
-#include <string.h>
 
 #include "common/fp_environment.h"
 #include "common/open_tasks.h"

@@ -1,7 +1,5 @@
 #include "worlds.h"
 
-#include <string.h>
-
 #include "error.h"
 #include "text.h"
 

@@ -1,5 +1,4 @@
 /* Spray, foam and bubbles after steps: they move, end and begin. */
-#include <math.h>
 
 #include "generate.h"
 #include "memory.h"

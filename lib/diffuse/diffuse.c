@@ -2,7 +2,6 @@
 #include "diffuse.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "check.h"
 #include "error.h"

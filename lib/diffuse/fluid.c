@@ -1,7 +1,6 @@
 #include "fluid.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "compiler.h"
 #include "physics/spacing.h"

@@ -2,7 +2,6 @@
 #include "emission.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "emitter.h"

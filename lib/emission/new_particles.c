@@ -2,7 +2,6 @@
 
 #include "memory.h"
 #include "params.h"
-#include "particles/particles.h"
 #include "solver/solver_time.h"
 
 pbf_status pbf_emission_reserve(pbf_solver *solver, pbf_emission *e, uint64_t count) {

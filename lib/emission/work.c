@@ -9,7 +9,6 @@
 #include "memory.h"
 #include "new_particles.h"
 #include "opening.h"
-#include "params.h"
 #include "particles/inside.h"
 #include "particles/particles.h"
 #include "particles/population.h"

@@ -14,7 +14,6 @@
 #include "solver/handles.h"
 #include "structs.h"
 #include "text.h"
-#include "values.h"
 
 /* ---- What is asked for ---------------------------------------------------------------------- */
 

@@ -6,7 +6,6 @@
 #include "inside.h"
 #include "solver/handles.h"
 #include "text.h"
-#include "values.h"
 
 static pbf_status check_box(const pbf_solver *solver, const double *lower, const double *upper) {
   char low[PBF_NUMBER_SIZE], high[PBF_NUMBER_SIZE];

@@ -2,7 +2,6 @@
 
 #include "error.h"
 #include "memory.h"
-#include "particles.h"
 #include "solver/backend_call.h"
 #include "solver/ids.h"
 

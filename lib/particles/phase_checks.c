@@ -6,7 +6,6 @@
 
 #include "check.h"
 #include "error.h"
-#include "physics/spacing.h"
 
 static const double max_ratio = 1000;
 

@@ -2,7 +2,6 @@
 #include "phases.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "check.h"
@@ -16,7 +15,6 @@
 #include "solver/overlap.h"
 #include "solver/set_params.h"
 #include "structs.h"
-#include "values.h"
 
 /* ---- The backend ----------------------------------------------------------------------------- */
 

@@ -4,7 +4,6 @@
 #include "row_set.h"
 #include "solver/handles.h"
 #include "solver/ids.h"
-#include "values.h"
 
 static pbf_status mark(const pbf_solver *solver, uint32_t count, const uint32_t *ids,
                        pbf_row_set *removed) {

@@ -1,7 +1,6 @@
 #include "probe.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #include "common/fp_environment.h"
 #include "os.h"

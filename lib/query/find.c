@@ -1,8 +1,6 @@
 /* Which particles are in a volume. */
 #include "check.h"
-#include "error.h"
 #include "particles/inside.h"
-#include "particles/values.h"
 #include "solver/handles.h"
 #include "volume.h"
 

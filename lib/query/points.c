@@ -4,7 +4,6 @@
 
 #include "check.h"
 #include "error.h"
-#include "particles/values.h"
 #include "text.h"
 
 pbf_status pbf_query_check_points(const pbf_solver *solver, const char *name, uint32_t count,

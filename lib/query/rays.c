@@ -5,7 +5,6 @@
 
 #include "check.h"
 #include "error.h"
-#include "particles/values.h"
 #include "points.h"
 #include "solver/handles.h"
 #include "sums.h"

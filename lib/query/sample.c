@@ -2,11 +2,9 @@
 #include <pbf/query.h>
 
 #include <math.h>
-#include <string.h>
 
 #include "check.h"
 #include "error.h"
-#include "particles/values.h"
 #include "points.h"
 #include "solver/handles.h"
 #include "structs.h"

@@ -1,5 +1,4 @@
 /* A terrain as a closed mesh. */
-#include <math.h>
 
 #include "common/fp_environment.h"
 #include "check.h"

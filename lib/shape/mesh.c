@@ -1,7 +1,6 @@
 /* Memory, normals and checks of a mesh. */
 #include "mesh.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,8 +2,6 @@
 #ifndef PBF_LIB_SHAPE_REGISTRY_H
 #define PBF_LIB_SHAPE_REGISTRY_H
 
-#include <stddef.h>
-
 #include <pbf/pbf_backend.h>
 #include <pbf/shapes.h>
 

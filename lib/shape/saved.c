@@ -1,6 +1,5 @@
 /* Shapes as bytes, for files: what has been baked once is not baked again. */
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "common/fp_environment.h"

@@ -1,7 +1,6 @@
 /* Creation of a solver, with the best backend that works. */
 #include "create.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>

@@ -1,5 +1,4 @@
 /* What the fluid does to solids. */
-#include <string.h>
 
 #include "backend_call.h"
 #include "error.h"

@@ -1,10 +1,8 @@
 #include "prestabilize.h"
 
 #include <math.h>
-#include <stdio.h>
 
 #include "backend_call.h"
-#include "error.h"
 #include "ids.h"
 #include "memory.h"
 #include "overlap.h"

@@ -1,5 +1,4 @@
 /* What happened and what runs: statistics, times, plan, info. */
-#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 

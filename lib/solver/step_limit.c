@@ -6,7 +6,6 @@
 #include "backend_call.h"
 #include "collider.h"
 #include "check.h"
-#include "error.h"
 #include "handles.h"
 #include "params.h"
 #include "particles/accelerations.h"

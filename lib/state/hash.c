@@ -2,7 +2,6 @@
  * and goes, and phases, where there are any. */
 #include "emission/saved.h"
 #include "check.h"
-#include "error.h"
 #include "fnv.h"
 #include "memory.h"
 #include "particles/particles.h"
