@@ -95,14 +95,14 @@ void print_start(const Study &study, size_t resumed) {
 // Outcomes of another build, scene or sweep are kept beside the file, never overwritten.
 size_t resume_from(const std::string &json, Study &study) {
   if (json.empty()) return 0;
-  const size_t strangers = resume(json, study);
-  if (strangers > 0) {
+  const size_t others = resume(json, study);
+  if (others > 0) {
     const std::string kept = json + ".old";
     std::error_code failed;
     fs::copy_file(json, kept, fs::copy_options::overwrite_existing, failed);
     if (failed) throw Error(exit_failure, kept + " can't be written: " + failed.message());
     std::printf("%zu points in %s are of another build, machine, scene or sweep: kept in %s\n",
-                strangers, json.c_str(), kept.c_str());
+                others, json.c_str(), kept.c_str());
   }
   return static_cast<size_t>(
       std::count_if(study.plan.points.begin(), study.plan.points.end(),

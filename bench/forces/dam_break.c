@@ -2,6 +2,8 @@
  * all is the momentum that the fluid loses, at any time; in the end each carries what rests on it.
  */
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "cases.h"
 

@@ -2,6 +2,7 @@
  * slip, so that its boundary layer is none; in water that of a smooth ball is 0.4 to 0.5 at
  * Reynolds numbers of 10³ to 2 10⁵ (Clift, Grace & Weber, Bubbles, Drops, and Particles, 1978). */
 #include <math.h>
+#include <stdio.h>
 
 #include "cases.h"
 

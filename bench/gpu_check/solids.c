@@ -1,6 +1,7 @@
 /* What many colliders cost: a dam breaks over them. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <pbf/shapes.h>
