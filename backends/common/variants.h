@@ -9,7 +9,7 @@
 
 #include "pbf_build.h"
 
-/* A backend's list of these ends with one whose api is null. */
+/* A backend's list of these ends with one that has no api. */
 typedef struct pbf_variant {
   uint32_t dimension, precision;
   const pbf_backend_api *api;

@@ -37,8 +37,8 @@ PBF_FN const Own &own_of_image(const Own &own, const pair_pass *, const block *,
 /* What a loop over pairs is built for. */
 enum pair_loop { FOR_SPEED, FOR_SIZE };
 
-/* A loop whose next round's distances are begun before the present one's terms: their latency is
- * the longest. */
+/* A loop in which the next round's distances are begun before the present one's terms: their
+ * latency is the longest. */
 template <pair_loop LOOP = FOR_SPEED, class Pass>
 PBF_FN void add_neighbors(const Pass &pass, const pair_pass *p, const lookups &of,
                           const typename Pass::template own<lane> &own, uint32_t g,

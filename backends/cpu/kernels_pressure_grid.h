@@ -6,7 +6,7 @@
 #include "cpu/clear_lanes.h"
 #include "cpu/kernels_collide.h"
 
-/* Particles whose cells are found before anything else is done with them. */
+/* Particles of which the cells are found before anything else is done with them. */
 enum { PRESSURE_GRID_CHUNK = 64 };
 
 typedef struct pressure_grid_places {

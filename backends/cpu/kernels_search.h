@@ -5,7 +5,7 @@
 
 #include "cpu/blocks.h"
 
-/* Lanes begin … end - 1 of a group, whose particles lie near each other in one row. */
+/* Lanes begin … end - 1 of a group: particles that lie near each other in one row. */
 typedef struct run {
   uint32_t group, begin, end;
   uint32_t row, first_cell, last_cell; /* the cells along the row */

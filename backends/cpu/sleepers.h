@@ -9,7 +9,7 @@ static inline int sleep_is_on(const worker *w) {
   return (PBF_BUILT & PBF_FEATURE_SLEEP) && w->activity;
 }
 
-/* The first particle of first … last - 1 whose activity is below a bound, or is not, or last. */
+/* The first particle of first … last - 1 with an activity below a bound, or is not, or last. */
 static inline uint32_t find_active(const pbf_real *activity, uint32_t first, uint32_t last,
                                    pbf_real bound, int below) {
   while (first < last && (activity[first] < bound) != below) ++first;

@@ -202,7 +202,7 @@ static inline uint32_t threads_now(const solver *s) {
   return s->threads_by_choice ? team_worth(s->count, s->threads) : s->threads;
 }
 
-/* Particles whose lowest and highest cell are known. */
+/* Particles of which the lowest and the highest cell are noted together. */
 enum { CHUNK = 256 };
 
 /* Pieces a thread of a loop: over particles, over ranges of cells, of the search, over pairs. More

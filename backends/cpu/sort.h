@@ -129,7 +129,7 @@ static range task_cells(const worker *w, uint32_t task) {
   return (range){w->s->first_cell[task], w->s->first_cell[task + 1]};
 }
 
-/* Calls visit for each particle, in the present order, whose cell is in the range. */
+/* Calls visit for each particle with a cell in the range, in the present order. */
 #define FOR_PARTICLES_IN(s, range, i)                                                    \
   for (uint64_t chunk = 0, chunks = chunks_of((s)->count); chunk < chunks; ++chunk)      \
     if ((s)->chunk_low[chunk] < (range).last && (s)->chunk_high[chunk] >= (range).first) \

@@ -32,7 +32,7 @@ typedef struct thread_tasks {
 struct team {
   _Alignas(TEAM_ALIGNMENT) atomic_uint over; /* loops that are */
   char apart[LINES - sizeof(atomic_uint)];
-  atomic_uint ending; /* the loop whose `last` has been taken */
+  atomic_uint ending; /* the loop of which `last` has been taken */
   char apart_too[LINES - sizeof(atomic_uint)];
   atomic_ullong alone; /* nanoseconds in all `last`, when one thread works */
   char apart_as_well[LINES - sizeof(atomic_ullong)];

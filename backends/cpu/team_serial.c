@@ -1,3 +1,4 @@
+/* A team of one thread: the caller. */
 #include "cpu/team.h"
 
 static uint32_t one(uint32_t wanted) {

@@ -60,7 +60,7 @@ static inline pbf_status keep_many_loads(solver *s, bool wanted) {
 
 /* ---- Room ----------------------------------------------------------------------------------- */
 
-/* What the grid of the last step adds to pressures goes by its colliders, whose memory goes. */
+/* What the grid of the last step adds to pressures goes by its colliders; their memory goes. */
 static inline pbf_status settle_divided(solver *s) {
   return s->pressure_grid_solids > PBF_FEW_COLLIDERS ? add_weight(s) : PBF_OK;
 }

@@ -5,6 +5,7 @@
 #include "cuda/launcher.h"
 #include "cuda/loads.h"
 #include "cuda/pressure_datum.h"
+#include "cuda/solid_forces.h"
 #include "physics/step.h"
 
 /* Launches of a stage each time that it runs. */
@@ -69,7 +70,7 @@ struct executor : launcher {
       if (PBF_DAMPING_COMPENSATION && s->starts)
         launch_held(start_kernel, (pbf_real)s->params.time_step, s->starts);
     });
-    return true; /* a particle whose list has no room walks the cells */
+    return true; /* a particle without room for its list walks the cells */
   }
 
   /* What solids push with in the prediction, of what the sort has made of these. */

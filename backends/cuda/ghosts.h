@@ -1,5 +1,5 @@
-/* Part of kernels.h. What ghosts in the domain's walls add to a particle's sums: physics/ghosts.h.
- */
+/* Part of kernels_solve.h. What ghosts in the domain's walls add to a particle's sums
+ * (physics/ghosts.h). */
 #ifndef PBF_CUDA_GHOSTS_H
 #define PBF_CUDA_GHOSTS_H
 

@@ -9,7 +9,7 @@
 #include "cuda/memory.h"
 #include "physics/friction.h"
 
-/* Steps whose colliders are placed and uploaded at once, if they move. */
+/* Steps of which colliders are placed and uploaded at once, if they move. */
 enum { MANY_STEPS_AHEAD = 4 };
 
 /* Threads that find an empty list wait for none: cells are smaller than on a CPU. */

@@ -83,7 +83,7 @@ static inline surfaces_met surfaces_of(uint32_t count) {
   return count == 0 ? NO_SURFACES : count < 8 ? FEW_SURFACES : MANY_SURFACES;
 }
 
-/* Numbers whose order as integers is that of the floats. */
+/* Integers in the order of the floats. */
 static __device__ __forceinline__ uint32_t ordered(float a) {
   uint32_t bits = __float_as_uint(a);
   return bits >> 31 ? ~bits : bits | 0x80000000u;

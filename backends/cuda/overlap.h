@@ -2,7 +2,7 @@
 #ifndef PBF_CUDA_OVERLAP_H
 #define PBF_CUDA_OVERLAP_H
 
-#include "cuda/kernels.h"
+#include "cuda/kernels_solve.h"
 
 /* In place of lambda, before the solve, of what has been placed: this, and its number, -2 … 1. */
 constexpr pbf_real PBF_PLACED_MARK = 4;

@@ -7,7 +7,7 @@
 #include <pbf/pbf_backend.h>
 
 extern "C" {
-/* The libpbf whose call runs in this thread: there may be several in a process. */
+/* The libpbf that has called into this thread: there may be several in a process. */
 extern __thread const pbf_backend_host *pbf_cuda_host;
 extern const pbf_backend_api cuda_2d_f32, cuda_2d_f64, cuda_3d_f32, cuda_3d_f64;
 }

@@ -4,7 +4,7 @@
 #define PBF_CUDA_PRESSURE_GRID_H
 
 #include "cuda/barrier.h"
-#include "cuda/kernels.h"
+#include "cuda/kernels_solve.h"
 #include "physics/pressure_grid/cell_forces.h"
 #include "physics/pressure_grid/particles.h"
 #include "physics/pressure_grid/solid_gains.h"

@@ -4,7 +4,6 @@
 #define PBF_CUDA_PRESSURES_H
 
 #include "cuda/pressure_grid.h"
-#include "cuda/kernels.h"
 #include "cuda/sort.h"
 #include "physics/passes/pressure_fit.h"
 

@@ -109,7 +109,7 @@ static inline pbf_status report_stats(solver *s, pbf_stats *stats) {
   return PBF_OK;
 }
 
-/* The largest square, whose bits are in the order of the numbers: the same in any order of threads.
+/* The largest square: its bits are in the order of the numbers: the same in any order of threads.
  */
 static __global__ void max_speed2_kernel(const pbf_vec *velocities, uint32_t count,
                                          unsigned long long *largest) {

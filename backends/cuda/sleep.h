@@ -4,7 +4,7 @@
 #ifndef PBF_CUDA_SLEEP_H
 #define PBF_CUDA_SLEEP_H
 
-#include "cuda/kernels.h"
+#include "cuda/kernels_viscosity.h"
 
 /* What the blocks of a step tell each other. */
 struct sleep_tally {

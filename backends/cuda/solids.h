@@ -1,6 +1,7 @@
-/* Part of kernels.h. What walls and colliders do to particles in an iteration, where there are
- * colliders: few particles are near them, and the loops over pairs are short of registers. So one
- * kernel runs before lambda, which takes what it finds, as does the move, and one after the move.
+/* Part of kernels_solve.h. What walls and colliders do to particles in an iteration, where there
+ * are colliders: few particles are near them, and the loops over pairs are short of registers. So
+ * one kernel runs before lambda, which takes what it finds, as does the move, and one after the
+ * move.
  */
 #ifndef PBF_CUDA_SOLIDS_H
 #define PBF_CUDA_SOLIDS_H

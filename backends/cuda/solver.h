@@ -8,7 +8,7 @@
 #include "cuda/features.h"
 #include "cuda/pressure_grid_solve.h"
 #include "cuda/memory.h"
-#include "cuda/kernels.h"
+#include "cuda/kernels_velocities.h"
 #include "cuda/overlap.h"
 #include "cuda/many.h"
 #include "cuda/ranks.h"
@@ -21,7 +21,7 @@
 #include "physics/loads.h"
 #include "physics/schedule.h"
 
-/* Steps whose colliders are placed and uploaded at once. */
+/* Steps of which colliders are placed and uploaded at once. */
 enum { STEPS_AHEAD = SMALL_STEPS };
 
 /* Records of worlds on their way to the device. */

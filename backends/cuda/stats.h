@@ -3,7 +3,7 @@
 #ifndef PBF_CUDA_STATS_H
 #define PBF_CUDA_STATS_H
 
-#include "cuda/kernels.h"
+#include "cuda/kernels_solve.h"
 
 enum { PBF_SUM_BLOCKS = 264 };
 

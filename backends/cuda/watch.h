@@ -50,7 +50,7 @@ static __device__ __forceinline__ void add_error_units(const convergence_check &
   if (lane == 0 && sum) atomicAdd(&w.watch->error_units[w.iteration % 2], sum);
 }
 
-/* Whether the iteration whose lambda is known ends the solve; one thread of all notes it. */
+/* Whether the iteration of which lambda is known ends the solve; one thread of all notes it. */
 static __device__ __forceinline__ bool ends(const convergence_check &w, bool last,
                                             uint32_t thread) {
   bool over = last || (long long)w.watch->error_units[w.iteration % 2] <= w.limit;

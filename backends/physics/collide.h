@@ -1,4 +1,4 @@
-/* Collision response (Algorithm 1, line 14): a particle whose way leads through a surface stays
+/* Collision response (Algorithm 1, line 14): a particle with a way through a surface stays
  * on the side it came from, however many surfaces there are, and in whatever order. */
 #ifndef PBF_PHYSICS_COLLIDE_H
 #define PBF_PHYSICS_COLLIDE_H

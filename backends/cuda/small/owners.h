@@ -27,7 +27,7 @@ struct owner_grid {
   uint32_t bits; /* an axis; coordinates beyond begin anew */
 };
 
-/* No more than the cells of the search, for whose scan there is room. */
+/* No more than the cells of the search, which there is room to scan. */
 static inline uint32_t owner_bits(uint32_t count) {
   bool many = count >= 1 << 14;
   return PBF_DIM == 3 ? (many ? 5 : 4) : (many ? 7 : 6);
