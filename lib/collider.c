@@ -118,8 +118,7 @@ static pbf_status check_geometry(const pbf_collider *collider, const char *label
 }
 
 static pbf_status check_axis(const pbf_collider *collider, const char *label, uint32_t dimension) {
-  if (collider->shape != PBF_COLLIDER_PLANE && collider->shape != PBF_COLLIDER_CAPSULE)
-    return PBF_OK;
+  if (!pbf_collider_has_axis(collider)) return PBF_OK;
   return pbf_check_axis(collider->axis, label, dimension);
 }
 

@@ -1,3 +1,4 @@
+/* Checks of a collider, and what its shape uses of its fields. */
 #ifndef PBF_LIB_COLLIDER_H
 #define PBF_LIB_COLLIDER_H
 
@@ -9,6 +10,11 @@ pbf_status pbf_collider_check(const pbf_collider *collider, const char *label, p
 /* The same of one on its way, which may have shrunk to nothing. */
 pbf_status pbf_collider_check_moving(const pbf_collider *collider, const char *label,
                                      pbf_check_kind kind);
+
+/* Whether its shape goes by `axis`: a plane's normal, a capsule's direction. */
+static inline int pbf_collider_has_axis(const pbf_collider *collider) {
+  return collider->shape == PBF_COLLIDER_PLANE || collider->shape == PBF_COLLIDER_CAPSULE;
+}
 
 /* As a backend gets it: what the dimension ignores becomes zero. */
 static inline void pbf_collider_clean(pbf_collider *collider, uint32_t dimension) {

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "collider.h"
 #include "physics/elementary.h"
 #include "physics/motion.h"
 #include "shape/growth.h"
@@ -69,7 +70,7 @@ static double dot_of(const double a[3], const double b[3], uint32_t dimension) {
 
 /* How far its surface goes at most as it takes on another one's axis, beside its orientation. */
 static double axis_between(const pbf_collider *a, const pbf_collider *b, uint32_t dimension) {
-  if (a->shape != PBF_COLLIDER_PLANE && a->shape != PBF_COLLIDER_CAPSULE) return 0;
+  if (!pbf_collider_has_axis(a)) return 0;
   if (memcmp(a->axis, b->axis, dimension * sizeof a->axis[0]) == 0) return 0;
   const double lengths =
       sqrt(dot_of(a->axis, a->axis, dimension)) * sqrt(dot_of(b->axis, b->axis, dimension));

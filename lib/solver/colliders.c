@@ -332,17 +332,13 @@ static void find_present(const pbf_solver *solver, uint32_t index, pbf_collider 
   }
 }
 
-static int has_axis(const pbf_collider *collider) {
-  return collider->shape == PBF_COLLIDER_PLANE || collider->shape == PBF_COLLIDER_CAPSULE;
-}
-
 static pbf_status check_target(const pbf_collider *collider, const pbf_collider *target,
                                uint32_t index, uint32_t dimension) {
   const char *what = NULL;
   if (target->shape != collider->shape) what = "shape";
   if (target->inverted != collider->inverted) what = "inverted";
   if (target->geometry != collider->geometry) what = "geometry";
-  if (has_axis(collider) &&
+  if (pbf_collider_has_axis(collider) &&
       memcmp(target->axis, collider->axis, dimension * sizeof target->axis[0]) != 0)
     what = "axis";
   if (!what) return PBF_OK;

@@ -17,7 +17,7 @@ static void turn(const double q[4], const double v[3], double turned[3]) {
 
 static void set_frame(pbf_solid *s) {
   const double length = pbf_motion_length(s->now.axis);
-  const int has_axis = s->now.shape == PBF_COLLIDER_PLANE || s->now.shape == PBF_COLLIDER_CAPSULE;
+  const int has_axis = pbf_collider_has_axis(&s->now);
   for (int row = 0; row < 3; ++row) {
     double own[3] = {row == 0, row == 1, row == 2};
     for (int k = 0; k < 3 && has_axis; ++k) own[k] = s->now.axis[k] / length;
