@@ -1,4 +1,4 @@
-/* What a caller who sets nothing gets. */
+/* The values of what a caller does not set. */
 #include <pbf/pbf.h>
 
 #include "error.h"

@@ -1,3 +1,4 @@
+/* Checks of the description that a solver is created from. */
 #ifndef PBF_LIB_DESC_H
 #define PBF_LIB_DESC_H
 

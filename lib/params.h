@@ -1,3 +1,4 @@
+/* Parameters as callers give them, checked, and as backends get them. */
 #ifndef PBF_LIB_PARAMS_H
 #define PBF_LIB_PARAMS_H
 

@@ -1,3 +1,4 @@
+/* Status codes. */
 #ifndef PBF_LIB_STATUS_H
 #define PBF_LIB_STATUS_H
 

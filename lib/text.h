@@ -1,3 +1,4 @@
+/* Texts of bounded size, in UTF-8, and numbers in them. */
 #ifndef PBF_LIB_TEXT_H
 #define PBF_LIB_TEXT_H
 

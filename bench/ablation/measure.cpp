@@ -1,3 +1,4 @@
+/* Times the variants of an ablation: each in a process of its own, by turns. */
 #include <algorithm>
 #include <memory>
 

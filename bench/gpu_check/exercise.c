@@ -1,3 +1,4 @@
+/* exercise: every call and stage once, small. */
 #include "commands.h"
 
 #include <stdio.h>

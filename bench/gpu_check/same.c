@@ -1,3 +1,4 @@
+/* same: two runs, and one from a saved state, have the same bits. */
 #include "commands.h"
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* time: how long steps of a scene take. */
 #include "commands.h"
 
 #include <stdio.h>

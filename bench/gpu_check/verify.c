@@ -1,3 +1,4 @@
+/* verify: how far results are from those of `reference` in float64. */
 #include "commands.h"
 
 #include <math.h>

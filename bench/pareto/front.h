@@ -11,7 +11,7 @@ namespace bench {
 struct Sample {
   double time;
   double error;
-  size_t point;  // whose it is
+  size_t point;  // that it is of
 };
 
 // The samples that no other one is at least as good as in both: time rises, error falls.

@@ -1,3 +1,4 @@
+/* The particles of a scene: its blocks, as lattices. */
 #include <cmath>
 
 #include "scene/document.h"

@@ -1,3 +1,4 @@
+/* A scene from its JSON file. */
 #include <filesystem>
 #include <limits>
 

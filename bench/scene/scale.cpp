@@ -1,3 +1,4 @@
+/* A scene with another number of particles: spacing, time step and steps that go with it. */
 #include <algorithm>
 #include <cmath>
 #include <limits>

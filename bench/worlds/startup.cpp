@@ -1,3 +1,4 @@
+/* How long it takes to create a solver or a batch, to its first step, and to destroy it. */
 #include <pbf/batch.h>
 
 #include <chrono>

@@ -1,3 +1,4 @@
+/* What a batch takes of memory, and how that is given back. */
 #ifndef PBF_LIB_BATCH_FREE_H
 #define PBF_LIB_BATCH_FREE_H
 

@@ -93,7 +93,7 @@ void pbf_cells_free(pbf_cells *cells) {
   cells->memory = NULL;
 }
 
-/* The first element whose key is at least `key`. */
+/* The first element with a key of at least `key`. */
 static uint32_t find_key(const pbf_cells *cells, uint64_t key) {
   uint32_t below = 0, above = cells->count;
   while (below < above) {

@@ -1,3 +1,4 @@
+/* Rows of particles: checks of them, and fields that are read and written. */
 #ifndef PBF_LIB_PARTICLES_PARTICLES_H
 #define PBF_LIB_PARTICLES_PARTICLES_H
 

@@ -1,3 +1,4 @@
+/* The memory of views on ranks, given back. */
 #include "memory.h"
 #include "rank_views.h"
 

@@ -1,3 +1,4 @@
+/* Views of fields in the memory of a backend. */
 #ifndef PBF_LIB_PARTICLES_VIEWS_H
 #define PBF_LIB_PARTICLES_VIEWS_H
 

@@ -1,3 +1,4 @@
+/* Whether a file is a whole shared object, before the dynamic loader maps it. */
 #ifndef PBF_LIB_PLUGIN_IMAGE_H
 #define PBF_LIB_PLUGIN_IMAGE_H
 

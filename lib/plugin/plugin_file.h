@@ -1,3 +1,4 @@
+/* Plugins that are loaded from files. */
 #ifndef PBF_LIB_PLUGIN_PLUGIN_FILE_H
 #define PBF_LIB_PLUGIN_PLUGIN_FILE_H
 

@@ -1,3 +1,4 @@
+/* How well a backend would serve a new solver. */
 #ifndef PBF_LIB_PLUGIN_PROBE_H
 #define PBF_LIB_PLUGIN_PROBE_H
 

@@ -1,3 +1,4 @@
+/* The colliders of a solver: the block that they lie in, and how they are set. */
 #ifndef PBF_LIB_SOLVER_COLLIDERS_H
 #define PBF_LIB_SOLVER_COLLIDERS_H
 

@@ -1,3 +1,4 @@
+/* Creation of a solver, also as a world of a batch. */
 #ifndef PBF_LIB_SOLVER_CREATE_H
 #define PBF_LIB_SOLVER_CREATE_H
 

@@ -1,3 +1,4 @@
+/* The end of a solver. */
 #ifndef PBF_LIB_SOLVER_FREE_H
 #define PBF_LIB_SOLVER_FREE_H
 

@@ -89,7 +89,7 @@ static pbf_status enter_locked(pbf_solver *solver) {
   atomic_store_explicit(&solver->cancelled, 0, memory_order_relaxed);
   solver->callbacks.thread = pbf_this_thread();
   solver->callbacks.frame = NULL;
-  atomic_signal_fence(memory_order_release); /* whose call it is, a fork in between must know */
+  atomic_signal_fence(memory_order_release); /* a fork in between must know which call it is in */
   solver->in_call = 1;
   ++solver->references;
   return PBF_OK;

@@ -1,3 +1,4 @@
+/* Parameters and phases on their way to the backend. */
 #ifndef PBF_LIB_SOLVER_SET_PARAMS_H
 #define PBF_LIB_SOLVER_SET_PARAMS_H
 

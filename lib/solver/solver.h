@@ -84,7 +84,7 @@ struct pbf_solver {
   pbf_solver *next_live;
   uint32_t references;             /* the handle, a running call, every exported tensor */
   uint32_t in_call;                /* 1: a call is running */
-  uint32_t exported;               /* tensors whose deleter has not run */
+  uint32_t exported;               /* tensors that are not deleted yet */
   struct pbf_snapshots *snapshots; /* for other threads; null: none are made */
   pbf_left left;
   pbf_begun begun;

@@ -1,3 +1,4 @@
+/* A solver's time: of the steps that are done, and of those to come. */
 #ifndef PBF_LIB_SOLVER_SOLVER_TIME_H
 #define PBF_LIB_SOLVER_SOLVER_TIME_H
 

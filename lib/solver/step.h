@@ -1,3 +1,4 @@
+/* Steps, within a call. */
 #ifndef PBF_LIB_SOLVER_STEP_H
 #define PBF_LIB_SOLVER_STEP_H
 

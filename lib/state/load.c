@@ -1,3 +1,4 @@
+/* pbf_load: a saved state takes the place of the present one. */
 #include <string.h>
 
 #include "error.h"

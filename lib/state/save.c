@@ -1,3 +1,4 @@
+/* pbf_save: the state in one buffer, laid out as snapshot.h says. */
 #include <inttypes.h>
 #include <string.h>
 
