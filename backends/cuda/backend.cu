@@ -3,7 +3,7 @@
 
 #include "cuda/create.h"
 #include "cuda/device_calls.h"
-#include "cuda/found.h"
+#include "cuda/find_in_boxes.h"
 #include "cuda/report.h"
 #include "cuda/scene.h"
 #include "physics/settled_error.h"

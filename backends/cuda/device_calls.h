@@ -5,7 +5,7 @@
 
 #include "common/without.h"
 #include "cuda/rank_calls.h"
-#include "cuda/small/put_off.h"
+#include "cuda/small/deferred_steps.h"
 
 static pbf_status read_rows(pbf_backend_solver *handle, const pbf_device_rows *to) {
   solver *s = of(handle);

@@ -1,5 +1,5 @@
-/* Part of put_off.h: particles into and out of the caller's memory on the device, in its layout
- * and in the order of its stream. The host waits for none of it. */
+/* Part of deferred_steps.h: particles into and out of the caller's memory on the device, in its
+ * layout and in the order of its stream. The host waits for none of it. */
 #ifndef PBF_CUDA_DEVICE_ROWS_H
 #define PBF_CUDA_DEVICE_ROWS_H
 

@@ -5,7 +5,7 @@
 
 #include "cuda/driver.h"
 #include "cuda/sort.h"
-#include "cuda/watch.h"
+#include "cuda/convergence.h"
 #include "physics/passes/lambda.h"
 #include "physics/passes/move.h"
 #include "physics/passes/smooth_pressure.h"

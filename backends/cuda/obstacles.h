@@ -7,7 +7,7 @@
 
 #include <float.h>
 
-#include "cuda/listed.h"
+#include "cuda/listed_obstacles.h"
 #include "cuda/warp.h"
 
 /* Walls and colliders, of surfaces of such a type. */

@@ -11,7 +11,7 @@
 #include "cuda/population.h"
 #include "cuda/rank_calls.h"
 #include "cuda/small/host.h"
-#include "cuda/small/put_off.h"
+#include "cuda/small/deferred_steps.h"
 
 /* Neighbours of a particle of the rest lattice, half as many again, and a few. */
 static inline uint32_t list_chunks(const pbf_params *params) {

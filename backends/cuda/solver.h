@@ -10,7 +10,7 @@
 #include "cuda/memory.h"
 #include "cuda/kernels_velocities.h"
 #include "cuda/overlap.h"
-#include "cuda/many.h"
+#include "cuda/many_colliders.h"
 #include "cuda/ranks.h"
 #include "cuda/scan.h"
 #include "cuda/shapes.h"

@@ -3,7 +3,7 @@
 #ifndef PBF_PHYSICS_BASINS_H
 #define PBF_PHYSICS_BASINS_H
 
-#include "physics/apart.h"
+#include "physics/separate_solids.h"
 #include "physics/groups.h"
 #include "physics/region_depth.h"
 #include "physics/room.h"

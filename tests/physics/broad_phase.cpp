@@ -3,7 +3,7 @@
 #include "support.h"
 
 #include "cpu/kernels_collide.h"
-#include "physics/listed.h"
+#include "physics/listed_surfaces.h"
 #include "support/amount.h"
 #include "support/random.h"
 

@@ -2,7 +2,7 @@
  */
 #include "support.h"
 
-#include "physics/apart.h"
+#include "physics/separate_solids.h"
 #include "physics/groups.h"
 
 namespace {

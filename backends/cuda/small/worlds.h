@@ -1,5 +1,5 @@
-/* Part of put_off.h: the host's side of worlds that step together: what a step of one puts off,
- * until all are known, and the launches of world.h. */
+/* Part of deferred_steps.h: the host's side of worlds that step together: what a step of one puts
+ * off, until all are known, and the launches of world.h. */
 #ifndef PBF_CUDA_SMALL_WORLDS_H
 #define PBF_CUDA_SMALL_WORLDS_H
 

@@ -1,7 +1,7 @@
 /* Ways of particles among many surfaces that a grid lists (surfaces/near.h), one by one and without
  * memory: for a thread that has none of its own. To the bit as if all had been asked. */
-#ifndef PBF_PHYSICS_LISTED_H
-#define PBF_PHYSICS_LISTED_H
+#ifndef PBF_PHYSICS_LISTED_SURFACES_H
+#define PBF_PHYSICS_LISTED_SURFACES_H
 
 #include "physics/bounds.h"
 

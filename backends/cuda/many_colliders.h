@@ -1,11 +1,11 @@
 /* Part of solver.h: memory of a solver with more colliders than kernels take by value. Of a step
  * there are its surfaces, the grid that tells which are near a place, what that lists, and what
  * colliders are beside surfaces. */
-#ifndef PBF_CUDA_MANY_H
-#define PBF_CUDA_MANY_H
+#ifndef PBF_CUDA_MANY_COLLIDERS_H
+#define PBF_CUDA_MANY_COLLIDERS_H
 
 #include "common/collider_table.h"
-#include "cuda/listed.h"
+#include "cuda/listed_obstacles.h"
 #include "cuda/memory.h"
 #include "physics/friction.h"
 

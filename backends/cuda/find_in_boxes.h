@@ -1,7 +1,7 @@
 /* Part of backend.cu: particles by where they are, of which only those go to the host that are
  * found. */
-#ifndef PBF_CUDA_FOUND_H
-#define PBF_CUDA_FOUND_H
+#ifndef PBF_CUDA_FIND_IN_BOXES_H
+#define PBF_CUDA_FIND_IN_BOXES_H
 
 #include "cuda/population.h"
 

@@ -1,12 +1,12 @@
 /* Part of obstacles.h: walls and colliders of a step; and, where there are more than a set has bits
  * for, which are near a place. Behind those lies the grid that CPUs ask, too, and that the host has
  * built (physics/surfaces/near.h). */
-#ifndef PBF_CUDA_LISTED_H
-#define PBF_CUDA_LISTED_H
+#ifndef PBF_CUDA_LISTED_OBSTACLES_H
+#define PBF_CUDA_LISTED_OBSTACLES_H
 
 #include "pbf/pbf.h"
 #include "physics/boundary.h"
-#include "physics/listed.h"
+#include "physics/listed_surfaces.h"
 
 /* Walls and colliders of one step; `surfaces` is on the device, and so is what lies behind them if
  * they are many. */

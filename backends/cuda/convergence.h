@@ -1,7 +1,7 @@
 /* Part of iteration.h: solves that end once their density error is small enough. The host does not
  * learn of it: kernels of iterations after that find nothing to do. */
-#ifndef PBF_CUDA_WATCH_H
-#define PBF_CUDA_WATCH_H
+#ifndef PBF_CUDA_CONVERGENCE_H
+#define PBF_CUDA_CONVERGENCE_H
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* Whether solids are so far apart that none of them can hold water with another one or with the
  * walls, and take so little room that water among them is not much deeper, told from where they are
  * without their poses. Host only. */
-#ifndef PBF_PHYSICS_APART_H
-#define PBF_PHYSICS_APART_H
+#ifndef PBF_PHYSICS_SEPARATE_SOLIDS_H
+#define PBF_PHYSICS_SEPARATE_SOLIDS_H
 
 #include "physics/containers.h"
 

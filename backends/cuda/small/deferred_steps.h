@@ -1,7 +1,7 @@
 /* Part of backend.cu: steps that a world of a batch puts off until those of all are known: noted,
  * run together, or alone before anything else is asked of the world. */
-#ifndef PBF_CUDA_SMALL_PUT_OFF_H
-#define PBF_CUDA_SMALL_PUT_OFF_H
+#ifndef PBF_CUDA_SMALL_DEFERRED_STEPS_H
+#define PBF_CUDA_SMALL_DEFERRED_STEPS_H
 
 #include "cuda/device_rows.h"
 #include "cuda/small/worlds.h"
