@@ -100,10 +100,10 @@ PBF_FN void pbf_datum_join(const pbf_pressure_datum *d, uint32_t compartment) {
  * middle of its particles as the cell's other end is before that. */
 PBF_FN double pbf_datum_lambda_at_end(const pbf_pressure_datum *d, uint32_t compartment,
                                       const double values[PBF_CORNERS]) {
-  const double count = (double)pbf_pressure_grid_count(d->sums[compartment]);
+  const int64_t count = pbf_pressure_grid_count(d->sums[compartment]);
   double middle[PBF_DIM], end[PBF_DIM];
   for (int k = 0; k < PBF_DIM; ++k)
-    middle[k] = ((double)(d->places[compartment] >> 21 * k & 0x1fffff) / count + 0.2) / 128;
+    middle[k] = pbf_pressure_grid_mean_place(d->places[compartment], count, k);
   for (int k = 0; k < PBF_DIM; ++k) {
     const int falls = pbf_pressure_grid_in_cell(values, middle, k) > 0;
     end[k] = falls ? pbf_min(2 * middle[k], 1) : pbf_max(2 * middle[k] - 1, 0);

@@ -263,13 +263,27 @@ PBF_FN int64_t pbf_pressure_grid_entry(pbf_real target, pbf_real density, pbf_re
 }
 
 /* And its place in the cell, in 128ths along each axis, of which the sums have 21 bits each: those
- * of 16,383 particles and fewer. They are rounded where no lattice's rows are, which would go
- * either way, all at once. */
+ * of so many particles and fewer. */
+enum {
+  PBF_CELL_PLACE_PARTS = 128,
+  PBF_CELL_PLACE_BITS = 21,
+  PBF_MAX_CELL_PLACES = (1 << PBF_CELL_PLACE_BITS) / PBF_CELL_PLACE_PARTS - 1
+};
+
+/* They are rounded where no lattice's rows are, which would go either way, all at once. */
 PBF_FN int64_t pbf_pressure_grid_place_entry(const double at[PBF_DIM]) {
   int64_t entry = 0;
   for (int k = PBF_DIM - 1; k >= 0; --k)
-    entry = (entry << 21) + (int)(pbf_max(pbf_min(at[k], 1), 0) * 128 + 0.3);
+    entry = (entry << PBF_CELL_PLACE_BITS) +
+            (int)(pbf_max(pbf_min(at[k], 1), 0) * PBF_CELL_PLACE_PARTS + 0.3);
   return entry;
+}
+
+/* The mean place of `count` particles along an axis, in cells. What rounds down after 0.3 has been
+ * added takes 0.2 of a part away, on average. */
+PBF_FN double pbf_pressure_grid_mean_place(int64_t places, int64_t count, int axis) {
+  const int64_t sum = places >> PBF_CELL_PLACE_BITS * axis & ((1 << PBF_CELL_PLACE_BITS) - 1);
+  return ((double)sum / (double)count + 0.2) / PBF_CELL_PLACE_PARTS;
 }
 
 /* From a to b: a difference, or what is between them. */

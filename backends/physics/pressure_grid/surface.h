@@ -13,9 +13,9 @@
 PBF_FN double pbf_pressure_grid_leaning(int64_t count, int64_t places, const double middle[PBF_DIM],
                                         int a) {
   double lean = 0;
-  if (count == 0 || count > 16383) return 0;
+  if (count == 0 || count > PBF_MAX_CELL_PLACES) return 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    double mean = ((double)(places >> 21 * k & 0x1fffff) / (double)count + 0.2) / 64 - 1;
+    double mean = 2 * pbf_pressure_grid_mean_place(places, count, k) - 1;
     lean += (a >> k & 1 ? 1 : -1) * (mean - middle[k]);
   }
   return lean;
