@@ -1,4 +1,4 @@
-/* A number of colliders by which ranks compare them. */
+/* Part of rank_call.h: a number of colliders by which ranks compare them. */
 #ifndef PBF_COMMON_COLLIDER_DIGEST_H
 #define PBF_COMMON_COLLIDER_DIGEST_H
 

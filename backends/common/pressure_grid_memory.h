@@ -1,4 +1,4 @@
-/* The pressure grid's memory on a host. */
+/* Part of pressure_grid_topology.h: the pressure grid's memory on a host. */
 #ifndef PBF_COMMON_PRESSURE_GRID_MEMORY_H
 #define PBF_COMMON_PRESSURE_GRID_MEMORY_H
 

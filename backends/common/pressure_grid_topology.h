@@ -1,5 +1,5 @@
-/* Where the pressure grid lies on a host, and what thin solids and periodic faces divide it into.
- */
+/* Part of pressure_grid.h: where the pressure grid lies on a host, and what thin solids and
+ * periodic faces divide it into. */
 #ifndef PBF_COMMON_PRESSURE_GRID_TOPOLOGY_H
 #define PBF_COMMON_PRESSURE_GRID_TOPOLOGY_H
 

@@ -1,4 +1,5 @@
-/* The kernels of the stages after the solve, which change velocities, from sums over neighbours. */
+/* Part of solver.h: the kernels of the stages after the solve, which change velocities by sums over
+ * neighbours. */
 #ifndef PBF_CUDA_KERNELS_VELOCITIES_H
 #define PBF_CUDA_KERNELS_VELOCITIES_H
 

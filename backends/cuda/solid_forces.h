@@ -3,31 +3,30 @@
 #ifndef PBF_CUDA_SOLID_FORCES_H
 #define PBF_CUDA_SOLID_FORCES_H
 
+#include <type_traits>
+
 #include "cuda/loads.h"
 #include "physics/adhesion.h"
 #include "physics/friction.h"
 
-/* As pbf_friction_scales, for kernels. */
-struct few_friction_scales {
-  pbf_load_scales loads;
-  pbf_friction of[PBF_FEW_SOLIDS];
-};
+/* What each solid has of its own, for kernels: of few by value, of many on the device. */
+template <bool LISTED, class Each>
+using of_solids = std::conditional_t<LISTED, const Each *, Each[PBF_FEW_SOLIDS]>;
 
-struct many_friction_scales {
-  pbf_load_scales loads;
-  const pbf_friction *of;
-};
-
+/* As pbf_friction_scales. */
 template <bool LISTED>
-using friction_asked = std::conditional_t<LISTED, many_friction_scales, few_friction_scales>;
+struct friction_asked {
+  pbf_load_scales loads;
+  of_solids<LISTED, pbf_friction> of;
+};
 
-static inline few_friction_scales few_friction_scales_of(const pbf_friction_scales &scales,
-                                                         uint32_t colliders) {
-  few_friction_scales s = {};
-  s.loads = scales.loads;
-  for (uint32_t k = 0; k < PBF_WALLS + colliders; ++k) s.of[k] = scales.of[(int)k];
-  return s;
-}
+/* As pbf_adhesion_scales. */
+template <bool LISTED>
+struct adhesion_asked {
+  pbf_load_scales loads;
+  pbf_real pull;
+  of_solids<LISTED, pbf_real> of;
+};
 
 /* Changes velocities, and moves by that. Each thread writes to its particle alone; the tally is
  * null where loads are not wanted. */
@@ -68,30 +67,6 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   push[i] = pbf_add_scaled(push[i], 1, pbf_sub(after, v));
 }
 
-/* As pbf_adhesion_scales, for kernels. */
-struct few_adhesion_scales {
-  pbf_load_scales loads;
-  pbf_real pull, of[PBF_FEW_SOLIDS];
-};
-
-struct many_adhesion_scales {
-  pbf_load_scales loads;
-  pbf_real pull;
-  const pbf_real *of;
-};
-
-template <bool LISTED>
-using adhesion_asked = std::conditional_t<LISTED, many_adhesion_scales, few_adhesion_scales>;
-
-static inline few_adhesion_scales few_adhesion_scales_of(const pbf_adhesion_scales &scales,
-                                                         uint32_t colliders) {
-  few_adhesion_scales s = {};
-  s.loads = scales.loads;
-  s.pull = scales.pull;
-  for (uint32_t k = 0; k < PBF_WALLS + colliders; ++k) s.of[k] = scales.of[(int)k];
-  return s;
-}
-
 /* Changes velocities. The tally is null where loads are not wanted. */
 template <bool LISTED>
 static __global__ void __launch_bounds__(PBF_BLOCK)
@@ -114,25 +89,35 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   velocities[i] = pbf_add_scaled(velocities[i], 1, change);
 }
 
+/* What the solids of a step have: of many it lies beside the surfaces. */
+template <bool LISTED, class Scales, class Each>
+static inline void fill_of_solids(const solver *s, const Scales &scales,
+                                  const pbf_surface *surfaces, uint64_t place,
+                                  of_solids<LISTED, Each> &of) {
+  if constexpr (LISTED)
+    of = beside_surfaces<Each>(surfaces, place);
+  else
+    for (uint32_t k = 0; k < PBF_WALLS + s->collider_count; ++k) of[k] = scales.of[(int)k];
+}
+
 template <bool LISTED>
 static inline friction_asked<LISTED> friction_for(const solver *s,
                                                   const pbf_friction_scales &scales,
                                                   const pbf_surface *surfaces) {
-  if constexpr (LISTED)
-    return {scales.loads, beside_surfaces<pbf_friction>(surfaces, s->many.layout.friction)};
-  else
-    return few_friction_scales_of(scales, s->collider_count);
+  friction_asked<LISTED> asked = {scales.loads, {}};
+  fill_of_solids<LISTED, pbf_friction_scales, pbf_friction>(s, scales, surfaces,
+                                                            s->many.layout.friction, asked.of);
+  return asked;
 }
 
 template <bool LISTED>
 static inline adhesion_asked<LISTED> adhesion_for(const solver *s,
                                                   const pbf_adhesion_scales &scales,
                                                   const pbf_surface *surfaces) {
-  if constexpr (LISTED)
-    return {scales.loads, scales.pull,
-            beside_surfaces<pbf_real>(surfaces, s->many.layout.adhesion)};
-  else
-    return few_adhesion_scales_of(scales, s->collider_count);
+  adhesion_asked<LISTED> asked = {scales.loads, scales.pull, {}};
+  fill_of_solids<LISTED, pbf_adhesion_scales, pbf_real>(s, scales, surfaces,
+                                                        s->many.layout.adhesion, asked.of);
+  return asked;
 }
 
 #endif

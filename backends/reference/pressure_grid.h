@@ -1,4 +1,5 @@
-/* Part of step.h: deep water (physics/pressure_grid/grid.h): particle by particle, node by node. */
+/* Part of solve.h: deep water (physics/pressure_grid/grid.h): particle by particle, node by node.
+ */
 #ifndef PBF_REFERENCE_PRESSURE_GRID_H
 #define PBF_REFERENCE_PRESSURE_GRID_H
 
