@@ -78,8 +78,7 @@ static __device__ __forceinline__ pressure_grid_equation equation_of(const pbf_p
   return e;
 }
 
-/* ---- Lambda in memory, for any number of blocks -----------------------------------------------
- */
+/* ---- Lambda in memory, for any number of blocks --------------------------------------------- */
 
 struct pressure_grid_in_memory {
   static constexpr bool TORN = true;  /* whether there may be torn nodes */
@@ -115,8 +114,7 @@ struct pressure_grid_in_memory {
   }
 };
 
-/* ---- In the shared memory of a cluster, or of one block ---------------------------------------
- */
+/* ---- In the shared memory of a cluster, or of one block ------------------------------------- */
 
 #if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 900
 template <class Value>
@@ -222,8 +220,7 @@ static __device__ __forceinline__ bool relax_torn(const pbf_pressure_grid &grid,
   return misses;
 }
 
-/* ---- The iterations ---------------------------------------------------------------------------
- */
+/* ---- The iterations ------------------------------------------------------------------------- */
 
 /* A block's nodes, and lambda there. */
 template <class Lambda>
