@@ -48,6 +48,62 @@ static inline double pbf_reach_beyond_walls(const pbf_params *params) {
   return 0.5 * (1 - params->wall_density) * pbf_derive_spacing(params);
 }
 
+/* What a container leaves to the fluid within the walls: its bounds there, and the volume. */
+typedef struct pbf_container_room {
+  double lower[PBF_DIM], upper[PBF_DIM];
+  double volume;
+} pbf_container_room;
+
+/* The part of such bounds that lies up to `beyond` out of a container or in it, by points of an
+ * additive recurrence (Roberts 2018), the steps of which are powers of the inverse of x, where
+ * x^(PBF_DIM + 1) = x + 1. */
+static inline double pbf_container_part(const pbf_collider *collider, double beyond,
+                                        const pbf_container_room *bounds) {
+  enum { POINTS = 4096 };
+  const double step = PBF_DIM == 3 ? 0.8191725133961645 : 0.7548776662466927;
+  const pbf_surface s = pbf_surface_as_set(collider);
+  double at[PBF_DIM];
+  int inside = 0;
+  for (int k = 0; k < PBF_DIM; ++k) at[k] = 0.5;
+  for (int point = 0; point < POINTS; ++point) {
+    pbf_vec x, normal;
+    double by = step;
+    for (int k = 0; k < PBF_DIM; ++k, by *= step) {
+      at[k] += by;
+      if (!(at[k] < 1)) at[k] -= 1;
+      x.c[k] = (pbf_real)(bounds->lower[k] + at[k] * (bounds->upper[k] - bounds->lower[k]));
+    }
+    inside += (double)pbf_surface_distance(&s, x, &normal) > -beyond;
+  }
+  return (double)inside / POINTS;
+}
+
+/* Of a container and what is up to `beyond` out of it: all, unless it reaches out of the walls and
+ * what is as far beyond them. One that has left the domain counts as if it were in it. */
+static inline pbf_container_room pbf_container_within(const pbf_params *params,
+                                                      const pbf_collider *collider, double beyond) {
+  const double rounding = 1e-6 * pbf_derive_spacing(params);
+  const pbf_surface s = pbf_surface_as_set(collider);
+  pbf_container_room all, cut;
+  int reaches_out = 0, is_empty = 0;
+  all.volume = pbf_container_volume(collider, beyond);
+  cut.volume = 1;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const double beyond_walls = pbf_is_periodic(params, k) ? 0 : beyond;
+    const double reach = pbf_surface_extent(&s, k) + beyond;
+    all.lower[k] = (double)s.center.c[k] - reach;
+    all.upper[k] = (double)s.center.c[k] + reach;
+    cut.lower[k] = fmax(all.lower[k], params->domain_min[k] - beyond_walls);
+    cut.upper[k] = fmin(all.upper[k], params->domain_max[k] + beyond_walls);
+    cut.volume *= cut.upper[k] - cut.lower[k];
+    reaches_out |= fmax(cut.lower[k] - all.lower[k], all.upper[k] - cut.upper[k]) > rounding;
+    is_empty |= !(cut.lower[k] < cut.upper[k]);
+  }
+  if (!reaches_out || is_empty) return all;
+  cut.volume *= pbf_container_part(collider, beyond, &cut);
+  return cut.volume > 0 ? cut : all;
+}
+
 /* Of the smallest; infinite where there is none. */
 static inline double pbf_containers_volume(const pbf_params *params, uint32_t count,
                                            const pbf_collider *colliders) {
@@ -55,7 +111,7 @@ static inline double pbf_containers_volume(const pbf_params *params, uint32_t co
   double smallest = HUGE_VAL;
   for (uint32_t k = 0; k < count; ++k)
     if (pbf_is_container(&colliders[k]))
-      smallest = fmin(smallest, pbf_container_volume(&colliders[k], beyond));
+      smallest = fmin(smallest, pbf_container_within(params, &colliders[k], beyond).volume);
   return smallest;
 }
 
@@ -75,14 +131,14 @@ static inline pbf_domain pbf_domain_within(pbf_domain domain, const pbf_surface 
 
 /* The largest depth along an axis of so much fluid at rest in one of the containers, as deep as a
  * prism of the same height and room would have it. */
-static inline double pbf_containers_depth(uint32_t count, const pbf_collider *colliders, int axis,
-                                          double fluid) {
+static inline double pbf_containers_depth(const pbf_params *params, uint32_t count,
+                                          const pbf_collider *colliders, int axis, double fluid) {
   double depth = 0;
   for (uint32_t k = 0; k < count; ++k) {
     if (!pbf_is_container(&colliders[k])) continue;
-    pbf_surface s = pbf_surface_as_set(&colliders[k]);
-    double part = fmin(fluid / pbf_container_volume(&colliders[k], 0), 1);
-    depth = fmax(depth, 2 * pbf_surface_extent(&s, axis) * part);
+    const pbf_container_room room = pbf_container_within(params, &colliders[k], 0);
+    const double part = fmin(fluid / room.volume, 1);
+    depth = fmax(depth, (room.upper[axis] - room.lower[axis]) * part);
   }
   return depth;
 }

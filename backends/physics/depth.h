@@ -102,7 +102,8 @@ static inline pbf_settled pbf_settled_of(const pbf_params *params, uint32_t coll
     s.height = length;
     s.axis = k;
   }
-  s.depth = fmax(s.height * fmin(part, 1), pbf_containers_depth(colliders, list, s.axis, s.fluid));
+  s.depth = fmax(s.height * fmin(part, 1),
+                 pbf_containers_depth(params, colliders, list, s.axis, s.fluid));
   return s;
 }
 
