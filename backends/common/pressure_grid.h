@@ -15,18 +15,20 @@ static inline uint32_t pbf_pressure_grid_last_further(const pbf_pressure_grid_to
                       : t->first;
 }
 
-/* Before particles add to the sums, in a grid for `count` of them, in the step that ends at a time.
- * `surfaces` is room for as many as the obstacles have; its content stays until the next step. */
+/* Before particles add to the sums, in a grid for `count` of them, which lie within `fluid`, in the
+ * step that ends at a time. `surfaces` is room for as many as the obstacles have; its content stays
+ * until the next step. */
 static inline void pbf_pressure_grid_begin(pbf_pressure_grid_storage *storage,
                                            const pbf_topology_memory *memory,
                                            const pbf_params *params, int corrects_shear,
                                            double time, uint32_t capacity, uint32_t count,
-                                           const pbf_obstacles *o, pbf_surface *surfaces) {
+                                           const pbf_fluid_bounds *fluid, const pbf_obstacles *o,
+                                           pbf_surface *surfaces) {
   pbf_domain domain = o->domain;
   for (int k = 0; k < pbf_surface_count(*o); ++k)
     domain = pbf_domain_within(domain, &o->surfaces[k]);
   pbf_pressure_grid_place_over(storage, memory, params, corrects_shear, &domain, time, capacity,
-                               count, o, surfaces);
+                               count, fluid, o, surfaces);
   memset(storage->sums, 0, storage->grid.nodes * sizeof *storage->sums);
   memset(storage->places, 0, storage->grid.nodes * sizeof *storage->places);
   if (storage->cell_moves)

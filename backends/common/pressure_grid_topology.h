@@ -75,15 +75,13 @@ static inline void pbf_pressure_grid_note_surfaces(pbf_pressure_grid_storage *st
 
 /* The grid between these walls; where there are thin solids, in fewer of the indices, and with what
  * they divide it into. */
-static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *storage,
-                                                const pbf_topology_memory *memory,
-                                                const pbf_params *params, int corrects_shear,
-                                                const pbf_domain *domain, double time,
-                                                uint32_t capacity, uint32_t count,
-                                                const pbf_obstacles *o, pbf_surface *surfaces) {
+static inline void pbf_pressure_grid_place_over(
+    pbf_pressure_grid_storage *storage, const pbf_topology_memory *memory, const pbf_params *params,
+    int corrects_shear, const pbf_domain *domain, double time, uint32_t capacity, uint32_t count,
+    const pbf_fluid_bounds *fluid, const pbf_obstacles *o, pbf_surface *surfaces) {
   uint64_t limit = pbf_pressure_grid_limit(count);
   pbf_pressure_grid_topology *t = &storage->topology;
-  pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit);
+  pbf_pressure_grid now = pbf_pressure_grid_between(params, domain, corrects_shear, limit, fluid);
   pbf_pressure_grid_set_gains(&now, params, domain, time);
   *t = pbf_pressure_grid_topology_in(memory->bytes, pbf_pressure_grid_max_nodes(capacity), limit);
   if (!memory->bytes ||
@@ -93,7 +91,7 @@ static inline void pbf_pressure_grid_place_over(pbf_pressure_grid_storage *stora
     return;
   }
   now = pbf_pressure_grid_between(params, domain, corrects_shear,
-                                  pbf_pressure_grid_first_further(limit));
+                                  pbf_pressure_grid_first_further(limit), fluid);
   pbf_pressure_grid_set_gains(&now, params, domain, time);
   const int stands = pbf_pressure_grid_stands(storage, &now, o);
   storage->grid = now;

@@ -22,7 +22,7 @@ static void end_search_with_grid(void *context) {
   s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
                           s->schedule.corrects_shear, w->placed_at, s->capacity, s->planned,
-                          &w->obstacles, s->table.divided);
+                          &s->around, &w->obstacles, s->table.divided);
   s->pressure_grid.carried = w->constants.phases.carried;
 }
 

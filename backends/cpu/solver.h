@@ -165,7 +165,8 @@ struct pbf_backend_solver {
   uint32_t *cell_end;
   uint32_t *chunk_low, *chunk_high; /* lowest and highest cell among CHUNK particles */
   struct grid grid;
-  pbf_vec images[IMAGES]; /* of a particle, from where it is */
+  pbf_vec images[IMAGES];  /* of a particle, from where it is */
+  pbf_fluid_bounds around; /* the particles that have been sorted, on ranks those of all */
 
   /* What threads tell each other from loop to loop, by task. */
   box *boxes;

@@ -54,6 +54,7 @@ static void make_grid(void *context) {
       all.upper.c[k] = pbf_real_max(all.upper.c[k], w->s->boxes[task].upper.c[k]);
     }
   if (has_ranks(w->s)) all = box_of_ranks(w->s, all);
+  w->s->around = {all.lower, all.upper};
   const pbf_periods periods = pbf_periods_of(&w->s->params);
   double size[PBF_DIM];
   int axis[PBF_DIM];

@@ -227,7 +227,13 @@ struct executor : launcher {
     run(PBF_STAGE_GRID, [&] {
       const double carried = s->constants.phases.carried;
       s->pressure_grid_scale = carried / (s->params.time_step * s->params.time_step);
-      place_pressure_grid(s, domain(), time);
+      const auto over_particles = [&](auto kernel, const auto &...arguments) {
+        launch(kernel, arguments...);
+      };
+      status = place_pressure_grid(s, domain(), time, [&](pbf_fluid_bounds *fluid) {
+        return find_fluid(s, n.particles, over_particles, fluid);
+      });
+      if (status != PBF_OK) return;
       const pressure_grid_arrays arrays = pressure_grid_of(s);
       pressure_grid_arrays own = arrays; /* on ranks what their own particles add */
       if (has_ranks(s)) own.sums = rank_sums(s->ranks.room, s->ranks.count, s->ranks.halo_room);

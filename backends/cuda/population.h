@@ -14,14 +14,6 @@ static inline pbf_status copy_in(solver *s, void *to, const void *from, uint64_t
                         "cudaMemcpyAsync to the device");
 }
 
-static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_t bytes) {
-  if (pbf_status status =
-          pbf_cuda_check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s->stream),
-                         "cudaMemcpyAsync to the host"))
-    return status;
-  return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
-}
-
 /* ---- What wakes between steps -------------------------------------------------------------- */
 
 /* `count` particles from `first` on are new. */

@@ -17,10 +17,36 @@ constexpr bool PBF_HAS_PRESSURE_GRID = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) !
  * it. Reals that are never negative are ordered as their bits are. */
 struct pressure_grid_control {
   grid_counter barrier;
-  unsigned long long largest;      /* right side */
-  pbf_pressure_grid_extent extent; /* of filled cells */
-  uint32_t odd;                    /* 1: the solve has ended in `before` */
+  unsigned long long largest;               /* right side */
+  pbf_pressure_grid_extent extent;          /* of filled cells */
+  uint32_t odd;                             /* 1: the solve has ended in `before` */
+  unsigned long long farthest[2 * PBF_DIM]; /* particle, down and up each axis: ordered_bits */
 };
+
+/* Of reals of either sign, ordered as these are; 0 is less than those of any. */
+static __device__ __forceinline__ unsigned long long ordered_bits(double value) {
+  const unsigned long long bits = (unsigned long long)__double_as_longlong(value);
+  return bits >> 63 ? ~bits : bits | 1ull << 63;
+}
+
+static inline double real_of_ordered(unsigned long long ordered) {
+  const unsigned long long bits = ordered >> 63 ? ordered & ~(1ull << 63) : ~ordered;
+  double value;
+  memcpy(&value, &bits, sizeof value);
+  return ordered ? value : -INFINITY;
+}
+
+/* Where particles are, before the grid is placed around them. */
+static __global__ void __launch_bounds__(PBF_BLOCK)
+    farthest_particles_kernel(sorted_particles p, pressure_grid_control *control) {
+  const uint32_t i = own_index(p);
+  const pbf_vec x = position_of(load(p.points, min(i, p.count - 1)));
+  for (int side = 0; side < 2 * PBF_DIM; ++side) {
+    double far = (side % 2 ? 1 : -1) * (double)x.c[side / 2];
+    for (int step = 16; step > 0; step /= 2) far = fmax(far, __shfl_xor_sync(~0u, far, step));
+    if (threadIdx.x % 32 == 0) atomicMax(&control->farthest[side], ordered_bits(far));
+  }
+}
 
 struct pressure_grid_arrays {
   pressure_grid_control *control;    /* the first of all arrays; null: there is no grid */

@@ -3,6 +3,7 @@
 #define PBF_CUDA_PRESSURE_GRID_HOST_H
 
 #include "cuda/pressure_grid_levels.h"
+#include "cuda/rank_questions.h"
 #include "cuda/solver.h"
 
 static inline size_t pressure_grid_shared(const pbf_pressure_grid &grid, uint32_t blocks) {
@@ -290,10 +291,38 @@ static inline pbf_status solve_pressure_grid(solver *s, const step_obstacles &ob
   return pbf_cuda_check_launch("extrapolate_kernel");
 }
 
+/* Where the particles are that `launch(kernel, arguments...)` is for, on ranks those of all: waits
+ * for the device. */
+template <class Launch>
+static inline pbf_status find_fluid(solver *s, const sorted_particles &particles, Launch launch,
+                                    pbf_fluid_bounds *fluid) {
+  pressure_grid_control *control = pressure_grid_of(s).control;
+  unsigned long long mine[2 * PBF_DIM], all[RANKS_OF_CUDA][2 * PBF_DIM];
+  if (pbf_status status = pbf_cuda_check(
+          cudaMemsetAsync(control->farthest, 0, sizeof mine, s->stream), "cudaMemsetAsync"))
+    return status;
+  launch(farthest_particles_kernel, particles, control);
+  if (pbf_status status = pbf_cuda_check_launch("farthest_particles_kernel")) return status;
+  if (pbf_status status = copy_out(s, mine, control->farthest, sizeof mine)) return status;
+  if (has_ranks(s) && !gather_on_ranks(s, mine, all, sizeof mine)) return s->ranks.failed;
+  for (uint32_t r = 0; has_ranks(s) && r < s->ranks.count; ++r)
+    for (int side = 0; side < 2 * PBF_DIM; ++side) mine[side] = max(mine[side], all[r][side]);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    fluid->lower.c[k] = (pbf_real)-real_of_ordered(mine[2 * k]);
+    fluid->upper.c[k] = (pbf_real)real_of_ordered(mine[2 * k + 1]);
+  }
+  return PBF_OK;
+}
+
 /* The grid of the step that ends at `time`, between these walls and in the containers; where there
- * are thin solids, in fewer of the indices. */
-static inline void place_pressure_grid(solver *s, const pbf_domain &walls, double time) {
+ * are thin solids, in fewer of the indices. Where these are not enough for all cells `find(bounds)`
+ * is asked where the fluid is. */
+template <class Find>
+static inline pbf_status place_pressure_grid(solver *s, const pbf_domain &walls, double time,
+                                             Find find) {
   const uint64_t limit = pbf_pressure_grid_limit(s->planned);
+  const uint64_t fewer = pbf_pressure_grid_first_further(limit);
+  pbf_fluid_bounds around;
   pbf_domain domain = walls;
   bool thin = false;
   for (uint32_t k = 0; k < s->collider_count; ++k) {
@@ -301,8 +330,12 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
         pbf_surface_at(&s->colliders[k], time - s->collider_time, s->params.time_step);
     domain = pbf_domain_within(domain, &surface);
   }
+  const bool whole = pbf_pressure_grid_is_whole(&s->params, &domain, fewer);
+  if (!whole)
+    if (pbf_status status = find(&around)) return status;
+  const pbf_fluid_bounds *fluid = whole ? nullptr : &around;
   s->pressure_grid =
-      pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear, limit);
+      pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear, limit, fluid);
   s->pressure_grid_domain = walls;
   s->pressure_grid_gains = false;
   for (uint32_t k = 0; k < s->collider_count; ++k) {
@@ -315,9 +348,10 @@ static inline void place_pressure_grid(solver *s, const pbf_domain &walls, doubl
       s->topology_memory && (thin || pbf_pressure_grid_is_periodic(&s->pressure_grid));
   s->pressure_grid_solids = s->pressure_grid_is_torn ? (int)s->collider_count : 0;
   if (s->pressure_grid_is_torn)
-    s->pressure_grid = pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear,
-                                                 pbf_pressure_grid_first_further(limit));
+    s->pressure_grid =
+        pbf_pressure_grid_between(&s->params, &domain, s->schedule.corrects_shear, fewer, fluid);
   pbf_pressure_grid_set_gains(&s->pressure_grid, &s->params, &domain, time);
+  return PBF_OK;
 }
 
 #endif

@@ -232,4 +232,12 @@ static inline void swap_arrays(Value *a, Value *b) {
   *b = kept;
 }
 
+static inline pbf_status copy_out(solver *s, void *to, const void *from, uint64_t bytes) {
+  if (pbf_status status =
+          pbf_cuda_check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s->stream),
+                         "cudaMemcpyAsync to the host"))
+    return status;
+  return pbf_cuda_check(cudaStreamSynchronize(s->stream), "cudaStreamSynchronize");
+}
+
 #endif

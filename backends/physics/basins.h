@@ -8,11 +8,15 @@
 #include "physics/region_depth.h"
 #include "physics/room.h"
 
+/* Of the particles' spacing: water does not pass what is twice as narrow. */
+#define PBF_BASIN_CLEARANCE 0.25
+
 /* Two points of a region next to each other are connected unless a solid is between them, as in
  * pressure_grid/compartments.h. Level by level, those that hang together are a basin, unless water
  * would leave the region from it. */
 typedef struct pbf_basin_region {
   double lower[PBF_DIM], spacing[PBF_DIM];
+  double clearance;        /* what of a seam between solids may be open on each side */
   int walled[2 * PBF_DIM]; /* whether the domain's walls are at its ends */
   int axis, down;          /* of gravity, and whether it points to lower coordinates */
 } pbf_basin_region;
@@ -65,12 +69,15 @@ static inline pbf_basin_near pbf_basin_find_near(const pbf_surface_grid *grid,
   return near;
 }
 
-static inline int pbf_basin_is_free(const pbf_basin_near *near, pbf_vec x) {
+/* Whether a particle finds room: flush solids leave a seam by rounding, and points may lie in it.
+ */
+static inline int pbf_basin_is_free(const pbf_basin_region *r, const pbf_basin_near *near,
+                                    pbf_vec x) {
   for (uint32_t k = 0; k < near->count; ++k) {
     const pbf_surface *s = &near->surfaces[near->numbers[k]];
     pbf_vec normal;
-    if (pbf_surface_is_beyond(s, x, 0)) continue;
-    if (!(pbf_surface_distance(s, x, &normal) > 0)) return 0;
+    if (pbf_surface_is_beyond(s, x, (pbf_real)r->clearance)) continue;
+    if (!((double)pbf_surface_distance(s, x, &normal) > r->clearance)) return 0;
   }
   return 1;
 }
@@ -149,7 +156,7 @@ static inline void pbf_region_basins_of(const pbf_basin_region *r, const pbf_sur
       pbf_basin_place(r, level, p - first, at);
       const pbf_vec x = pbf_basin_point(r, at);
       const pbf_basin_near near = pbf_basin_find_near(grid, surfaces, x);
-      points.free[p] = (uint8_t)pbf_basin_is_free(&near, x);
+      points.free[p] = (uint8_t)pbf_basin_is_free(r, &near, x);
       points.root[p] = (uint16_t)p;
       points.count[p] = 1;
       points.open[p] = 0;
@@ -180,6 +187,7 @@ static inline int pbf_basin_region_of(const pbf_params *params, int axis, uint32
                                       pbf_basin_region *r) {
   r->axis = axis;
   r->down = params->gravity[axis] < 0;
+  r->clearance = PBF_BASIN_CLEARANCE * pbf_derive_spacing(params);
   for (int k = 0; k < PBF_DIM; ++k) {
     double lower = of_solids ? HUGE_VAL : params->domain_min[k];
     double upper = of_solids ? -HUGE_VAL : params->domain_max[k];
@@ -204,7 +212,7 @@ static inline int pbf_basin_region_of(const pbf_params *params, int axis, uint32
 /* All basins that there are, and between what. Where no basin can be deep they are not looked for,
  * which takes a hundred times as long as telling so. */
 typedef struct pbf_basins {
-  double domain[2 * PBF_DIM], gap;
+  double domain[2 * PBF_DIM], gap, spacing;
   uint32_t count; /* of colliders */
   int axis, down; /* of gravity */
   int solids, planes;
@@ -269,12 +277,14 @@ static inline int pbf_basins_are_of(pbf_basins *b, const pbf_params *params, uin
     domain[2 * k + 1] = params->domain_max[k];
   }
   if (b->known && b->count == count && b->axis == axis && b->down == down &&
-      b->gap == params->smoothing_radius && memcmp(b->domain, domain, sizeof domain) == 0 &&
+      b->gap == params->smoothing_radius && b->spacing == pbf_derive_spacing(params) &&
+      memcmp(b->domain, domain, sizeof domain) == 0 &&
       (!count || memcmp(b->colliders, colliders, count * sizeof *colliders) == 0) &&
       pbf_shapes_are(b, count, colliders))
     return 1;
   memcpy(b->domain, domain, sizeof domain);
   b->gap = params->smoothing_radius;
+  b->spacing = pbf_derive_spacing(params);
   if (count) memcpy(b->colliders, colliders, count * sizeof *colliders);
   for (uint32_t k = 0; k < count; ++k) b->shapes[k] = pbf_shape_id(&colliders[k]);
   b->count = count;

@@ -5,6 +5,19 @@
 
 #include "common/pressure_grid.h"
 
+static inline pbf_fluid_bounds bounds_of(const pbf_vec *x, uint32_t count) {
+  pbf_fluid_bounds around;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    around.lower.c[k] = (pbf_real)INFINITY;
+    around.upper.c[k] = (pbf_real)-INFINITY;
+    for (uint32_t i = 0; i < count; ++i) {
+      around.lower.c[k] = pbf_real_min(around.lower.c[k], x[i].c[k]);
+      around.upper.c[k] = pbf_real_max(around.upper.c[k], x[i].c[k]);
+    }
+  }
+  return around;
+}
+
 static inline void pressure_grid_add(pbf_pressure_grid_storage *storage, pbf_vec x, pbf_real target,
                                      pbf_real density, pbf_real overlap) {
   double at[PBF_DIM];

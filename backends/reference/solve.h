@@ -80,9 +80,10 @@ static inline void find_overlap(solver *s, const pbf_obstacles *before, const pb
 /* Deep water: what its weight presses together is undone before the iterations. */
 static inline void solve_pressure_grid(solver *s, double time, const pbf_obstacles *o) {
   pbf_real inv_time_step = (pbf_real)(1 / s->params.time_step);
+  const pbf_fluid_bounds around = bounds_of(s->moved, s->count);
   s->pressure_grid.cell_moves = s->cell_moves.sums;
   pbf_pressure_grid_begin(&s->pressure_grid, &s->topology_memory, &s->params,
-                          s->schedule.corrects_shear, time, s->capacity, s->planned, o,
+                          s->schedule.corrects_shear, time, s->capacity, s->planned, &around, o,
                           s->table.divided);
   s->pressure_grid.carried = s->constants.phases.carried;
   for (uint32_t i = 0; i < s->count; ++i) {

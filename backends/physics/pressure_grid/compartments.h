@@ -263,7 +263,8 @@ PBF_FN int pbf_compartment_middle(const pbf_pressure_grid *c, const pbf_pressure
   const double inside = pbf_pressure_grid_inside(c, i);
   if (!cut && free_volume - merged < inside - 1e-3) return 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const int first = i[k] == 1, last = i[k] == c->n[k];
+    const int first = pbf_pressure_grid_is_first(c, k, i[k]);
+    const int last = pbf_pressure_grid_is_last(c, k, i[k]);
     middle[k] = (last - first) * (c->edge[k] - 1);
     if (!cut && !(merged > 0)) continue;
     double moment = cut ? pbf_volume_part(t, compartment, 1 + k) : inside * 0.5 * (1 + middle[k]);

@@ -58,7 +58,9 @@ enum { PBF_CORNERS = 1 << PBF_DIM };
  * where it ends. */
 typedef struct pbf_pressure_grid {
   double lower[PBF_DIM], width; /* of the first cells inside: they lie evenly between the walls */
-  double edge[PBF_DIM];         /* part of the first and of the last ones that is inside */
+  double edge[PBF_DIM];         /* part of those at walls that is inside */
+  int at_wall[2 * PBF_DIM];     /* whether the first and the last ones are at the walls:
+                                   pbf_pressure_grid_window */
   double per_width;             /* 1 / width */
   double unit;                  /* what a particle fills of a cell */
   double spacing;               /* of particles */
@@ -106,12 +108,12 @@ static inline int pbf_pressure_grid_cells(const pbf_domain *domain, int axis, do
   return (int)fmin(fmax(ceil(length / width - 1e-6), 1), 1e6);
 }
 
-/* Indices that a grid takes, with those behind its last node. */
-static inline double pbf_pressure_grid_indices(const pbf_domain *domain, double width) {
+/* Indices that a grid of so many cells takes, with those behind its last node. */
+static inline double pbf_pressure_grid_indices(const int n[PBF_DIM]) {
   double nodes = 1, rows = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     rows = nodes;
-    nodes *= pbf_pressure_grid_cells(domain, k, width) + 2;
+    nodes *= n[k] + 2;
   }
   return nodes + 2 * rows + 2;
 }
@@ -135,6 +137,11 @@ static inline pbf_domain pbf_pressure_grid_domain(const pbf_params *params, pbf_
   return domain;
 }
 
+static inline double pbf_pressure_grid_wanted(const pbf_params *params) {
+  return (params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH) *
+         params->smoothing_radius;
+}
+
 /* … and have whole cells, which are a little smaller for it; where several periods have no
  * common width, along the last such axis. */
 static inline double pbf_pressure_grid_fitting(const pbf_params *params, const pbf_domain *walls,
@@ -146,24 +153,94 @@ static inline double pbf_pressure_grid_fitting(const pbf_params *params, const p
   return width;
 }
 
-/* The grid between walls, in a limited number of indices. */
-static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
-                                                          const pbf_domain *walls,
-                                                          int corrects_shear, uint64_t limit) {
-  const pbf_domain inside = pbf_pressure_grid_domain(params, *walls), *domain = &inside;
-  pbf_pressure_grid c;
-  memset(&c, 0, sizeof c); /* so that two can be compared */
-  double dt2 = params->time_step * params->time_step;
-  double cells = params->pressure_grid >= 0 ? params->pressure_grid : PBF_DEPTH_WIDTH;
-  double wanted = cells * params->smoothing_radius;
-  double width = pbf_pressure_grid_fitting(params, walls, domain, wanted);
-  while (pbf_pressure_grid_indices(domain, width) > (double)limit) {
+/* Where particles are. */
+typedef struct pbf_fluid_bounds {
+  pbf_vec lower, upper;
+} pbf_fluid_bounds;
+
+/* Of the cells that lie between the walls the ones that are kept, by their numbers from 0 on: all,
+ * or those around the fluid. What is farther away than a cell from all fluid changes nothing of the
+ * solution. */
+typedef struct pbf_pressure_grid_window {
+  int first[PBF_DIM], n[PBF_DIM];
+} pbf_pressure_grid_window;
+
+/* How far the cells between the walls reach beyond these, in cells, at both ends together. */
+static inline double pbf_pressure_grid_beyond(const pbf_domain *domain, int axis, double width) {
+  const double length = (double)domain->upper.c[axis] - (double)domain->lower.c[axis];
+  return fmax(0, pbf_pressure_grid_cells(domain, axis, width) - length / width);
+}
+
+/* The cells around the fluid, as whole blocks of `block` cells, so that the window and what solids
+ * divide in it stay as they are while the fluid moves a little; `fluid` null: all. */
+static inline pbf_pressure_grid_window pbf_pressure_grid_window_of(const pbf_params *params,
+                                                                   const pbf_domain *walls,
+                                                                   const pbf_domain *domain,
+                                                                   double width, int block,
+                                                                   const pbf_fluid_bounds *fluid) {
+  pbf_pressure_grid_window w;
+  for (int k = 0; k < PBF_DIM; ++k) {
+    const int last = pbf_pressure_grid_cells(domain, k, width) - 1;
+    w.first[k] = 0;
+    w.n[k] = last + 1;
+    if (!fluid || pbf_pressure_grid_wraps(params, walls, k)) continue;
+    const double beyond = pbf_pressure_grid_beyond(domain, k, width);
+    const double start = (double)domain->lower.c[k] - 0.5 * beyond * width;
+    const double from = floor(((double)fluid->lower.c[k] - start) / width) - 1;
+    const double to = floor(((double)fluid->upper.c[k] - start) / width) + 1;
+    const int first = (int)fmin(fmax(from, 0), last) / block * block;
+    const int end = ((int)fmin(fmax(to, first), last) / block + 1) * block;
+    w.first[k] = first;
+    w.n[k] = (end <= last ? end : last + 1) - first;
+  }
+  return w;
+}
+
+/* Whether all cells that are wanted between the walls are kept, wherever the fluid is. */
+static inline int pbf_pressure_grid_is_whole(const pbf_params *params, const pbf_domain *walls,
+                                             uint64_t limit) {
+  const pbf_domain inside = pbf_pressure_grid_domain(params, *walls);
+  const double width =
+      pbf_pressure_grid_fitting(params, walls, &inside, pbf_pressure_grid_wanted(params));
+  const pbf_pressure_grid_window all =
+      pbf_pressure_grid_window_of(params, walls, &inside, width, 1, NULL);
+  return pbf_pressure_grid_indices(all.n) <= (double)limit;
+}
+
+/* Cells of which width are kept, in a limited number of indices: all between the walls, or else
+ * those around the fluid, in blocks or alone, or else wider ones. */
+static inline pbf_pressure_grid_window pbf_pressure_grid_fit(
+    const pbf_params *params, const pbf_domain *walls, const pbf_domain *domain, uint64_t limit,
+    const pbf_fluid_bounds *fluid, double *width) {
+  double wanted = pbf_pressure_grid_wanted(params);
+  *width = pbf_pressure_grid_fitting(params, walls, domain, wanted);
+  for (;;) {
+    pbf_pressure_grid_window w =
+        pbf_pressure_grid_window_of(params, walls, domain, *width, 1, NULL);
+    for (int block = 8; pbf_pressure_grid_indices(w.n) > (double)limit && fluid && block > 0;
+         block /= 2)
+      w = pbf_pressure_grid_window_of(params, walls, domain, *width, block, fluid);
+    if (!(pbf_pressure_grid_indices(w.n) > (double)limit)) return w;
     const double fitting = pbf_pressure_grid_fitting(params, walls, domain, wanted *= 1.1);
     /* Cells no wider than a short period may be too many along other axes however few they are to
      * be: then they are wider. Where each period has two cells or more a fitting width is not so
      * small. */
-    width = fitting < wanted / (1 << PBF_DIM) ? wanted : fitting;
+    *width = fitting < wanted / (1 << PBF_DIM) ? wanted : fitting;
   }
+}
+
+/* The grid between walls, in a limited number of indices. Where fluid is, `fluid` tells, if that is
+ * known: it is asked for where not all is kept. */
+static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *params,
+                                                          const pbf_domain *walls,
+                                                          int corrects_shear, uint64_t limit,
+                                                          const pbf_fluid_bounds *fluid = NULL) {
+  const pbf_domain inside = pbf_pressure_grid_domain(params, *walls), *domain = &inside;
+  pbf_pressure_grid c;
+  memset(&c, 0, sizeof c); /* so that two can be compared */
+  double dt2 = params->time_step * params->time_step, width;
+  const pbf_pressure_grid_window window =
+      pbf_pressure_grid_fit(params, walls, domain, limit, fluid, &width);
   c.width = width;
   c.per_width = 1 / width;
   c.error = pbf_depth_error(params, width * width);
@@ -180,11 +257,13 @@ static inline pbf_pressure_grid pbf_pressure_grid_between(const pbf_params *para
   c.axis = 0;
   for (int a = 0; a < PBF_CORNERS; ++a) c.corner[a] = 0;
   for (int k = 0; k < PBF_DIM; ++k) {
-    double length = (double)domain->upper.c[k] - (double)domain->lower.c[k];
-    c.n[k] = pbf_pressure_grid_cells(domain, k, width);
-    double beyond = fmax(0, c.n[k] - length / width);
-    c.lower[k] = (double)domain->lower.c[k] - 0.5 * beyond * width;
-    c.edge[k] = c.n[k] == 1 ? 1 - beyond : 1 - 0.5 * beyond;
+    const int cells = pbf_pressure_grid_cells(domain, k, width);
+    const double beyond = pbf_pressure_grid_beyond(domain, k, width);
+    c.n[k] = window.n[k];
+    c.lower[k] = (double)domain->lower.c[k] + (window.first[k] - 0.5 * beyond) * width;
+    c.edge[k] = cells == 1 ? 1 - beyond : 1 - 0.5 * beyond;
+    c.at_wall[2 * k] = window.first[k] == 0;
+    c.at_wall[2 * k + 1] = window.first[k] + window.n[k] == cells;
     c.unit /= width;
     c.push[k] = dt2 / width *
                 (params->gravity[k] -
@@ -209,9 +288,9 @@ static inline void pbf_pressure_grid_set_gains(pbf_pressure_grid *c, const pbf_p
   for (int k = 0; k < PBF_DIM; ++k) {
     const pbf_real lower = (pbf_real)pbf_motion_wall(params, 2 * k, time);
     const pbf_real upper = (pbf_real)pbf_motion_wall(params, 2 * k + 1, time);
-    if (walls->lower.c[k] == lower)
+    if (c->at_wall[2 * k] && walls->lower.c[k] == lower)
       c->lower_gain[k] = c->per_width * pbf_motion_wall_gain(params, 2 * k, time);
-    if (walls->upper.c[k] == upper)
+    if (c->at_wall[2 * k + 1] && walls->upper.c[k] == upper)
       c->upper_gain[k] = c->per_width * pbf_motion_wall_gain(params, 2 * k + 1, time);
   }
 }
@@ -344,12 +423,23 @@ PBF_FN double pbf_pressure_grid_error(const pbf_pressure_grid *c, int64_t sum) {
   return c->unit * (double)(sum - pbf_pressure_grid_count(sum) * ((int64_t)1 << 40)) / (1 << 20);
 }
 
+/* Whether the i-th cell along an axis is the first at the lower wall, or the last at the upper one.
+ */
+PBF_FN int pbf_pressure_grid_is_first(const pbf_pressure_grid *c, int axis, int i) {
+  return i == 1 && c->at_wall[2 * axis];
+}
+
+PBF_FN int pbf_pressure_grid_is_last(const pbf_pressure_grid *c, int axis, int i) {
+  return i == c->n[axis] && c->at_wall[2 * axis + 1];
+}
+
 /* The part of a cell, the i-th along each axis, that is inside the walls. */
 PBF_FN double pbf_pressure_grid_inside(const pbf_pressure_grid *c, const int i[PBF_DIM]) {
   double inside = 1;
   for (int k = 0; k < PBF_DIM; ++k) {
     if (i[k] == 0 || i[k] > c->n[k]) return 0;
-    if (i[k] == 1 || i[k] == c->n[k]) inside *= c->edge[k];
+    if (pbf_pressure_grid_is_first(c, k, i[k]) || pbf_pressure_grid_is_last(c, k, i[k]))
+      inside *= c->edge[k];
   }
   return inside;
 }
