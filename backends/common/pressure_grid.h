@@ -239,10 +239,11 @@ static inline void pbf_pressure_grid_extrapolate(pbf_pressure_grid_storage *stor
   memcpy(i, nodes->first, sizeof i);
   do {
     uint32_t row = pbf_pressure_grid_row(c, i);
-    for (int x = nodes->first[0]; x <= nodes->last[0]; ++x) {
-      const uint32_t node = row + (uint32_t)x;
+    for (i[0] = nodes->first[0]; i[0] <= nodes->last[0]; ++i[0]) {
+      const uint32_t node = row + (uint32_t)i[0];
       if (pbf_pressure_grid_is_open(depths[node]) && !(t->is_active && t->torn[node]))
-        lambda[node] = pbf_pressure_grid_node_beyond(c, t, depths, free_volumes, lambda, node);
+        lambda[node] = pbf_pressure_grid_node_beyond(c, t, depths, free_volumes, lambda, node, i,
+                                                     nodes->first, nodes->last);
     }
   } while (pbf_pressure_grid_next_row(nodes, i));
   for (uint32_t k = 0; k < pbf_pressure_grid_torn_count(t); ++k)

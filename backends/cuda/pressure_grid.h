@@ -460,7 +460,14 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (!pbf_node_is_inside(&grid, index) || (torn && t->torn[index]) ||
       !pbf_pressure_grid_is_open(a.depths[index]))
     return;
-  lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index);
+  int i[PBF_DIM], first[PBF_DIM], last[PBF_DIM];
+  pbf_pressure_grid_place(&grid, index, i);
+  for (int k = 0; k < PBF_DIM; ++k) {
+    first[k] = 1;
+    last[k] = grid.n[k] + 1;
+  }
+  lambda[index] = pbf_pressure_grid_node_beyond(&grid, t, a.depths, a.free_volumes, lambda, index,
+                                                i, first, last);
 }
 
 /* What the grid adds to the moves; of a fluid of the density `carried` where phases differ. Where

@@ -162,8 +162,8 @@ static void check_planes(uint32_t dimension, uint32_t precision, double lean, do
 static void check_between_planes(uint32_t dimension, uint32_t precision) {
   check_planes(dimension, precision, 0, 0);
   check_planes(dimension, precision, 1e-3, 0);
-  if (dimension == 2) /* in 3D so wide a domain has wider cells */
-    check_planes(dimension, precision, 0, 1.65 * spacing); /* one leaves 0.35 spacings of a cell */
+  check_planes(dimension, precision, 0, spacing); /* one leaves half a spacing of a cell, … */
+  check_planes(dimension, precision, 0, 1.65 * spacing); /* … 0.35 */
 }
 
 static void planes_hold_deep_water(void **state) {
@@ -207,6 +207,49 @@ static void thick_boxes_hold_deep_water(void **state) {
   if (test_is_stub()) test_skip("the stub solves nothing");
   test_skip_if_watched();
   test_for_long_kinds(check_thick_boxes);
+}
+
+/* A floor and walls around the column, flush, a spacing thick, in a domain so wide that cells of
+ * the grid's width do not fit into it: those that there are lie around the fluid. */
+static void check_wide_domain(uint32_t dimension, uint32_t precision) {
+  const double wide = 400 * spacing, thick = spacing, tall = (LAYERS + 10) * spacing;
+  const double inside[3] = {COLUMNS * spacing, tall, 3 * spacing};
+  const double corner[3] = {0.487 * wide, 0.317, 0.487 * wide};
+  pbf_params params = column_params(-1);
+  pbf_desc desc = test_desc(dimension, precision, MOST);
+  pbf_collider boxes[5];
+  const uint32_t count = dimension == 3 ? 5 : 3;
+  for (uint32_t b = 0; b < count; ++b) {
+    const uint32_t axis = b == 0 ? 1 : b < 3 ? 0 : 2;
+    const int upper = b > 0 && (b - 1) % 2;
+    assert_ok(pbf_collider_init(&boxes[b], sizeof *boxes, PBF_COLLIDER_BOX));
+    for (uint32_t k = 0; k < dimension; ++k) {
+      const double more = b == 0 || (axis == 0 && k == 2) ? thick : 0;
+      boxes[b].half_extents[k] = k == axis ? thick / 2 : inside[k] / 2 + more;
+      boxes[b].position[k] = corner[k] + (k != axis ? inside[k] / 2
+                                          : upper   ? inside[k] + thick / 2
+                                                    : -thick / 2);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    params.domain_min[k] = -corner[k];
+    params.domain_max[k] = wide - corner[k];
+    for (uint32_t b = 0; b < count; ++b) boxes[b].position[k] -= corner[k];
+  }
+  pbf_solver *s = block(&desc, &params, COLUMNS, LAYERS, 0, 0, 1);
+  assert_ok(pbf_set_colliders(s, count, boxes));
+  assert_true(keeps_grid(s));
+  assert_ok(pbf_step(s, 150));
+  if (!(fabs(lost_height(s)) < 0.01))
+    fail_msg("%uD: %g of the height lost", dimension, lost_height(s));
+  pbf_destroy(s);
+}
+
+static void vessels_in_wide_domains(void **state) {
+  (void)state;
+  if (test_is_stub()) test_skip("the stub solves nothing");
+  test_skip_if_watched();
+  test_for_long_kinds(check_wide_domain);
 }
 
 typedef struct filled {
@@ -321,6 +364,7 @@ int main(void) {
       cmocka_unit_test(bottles_are_deep),
       cmocka_unit_test(planes_hold_deep_water),
       cmocka_unit_test(thick_boxes_hold_deep_water),
+      cmocka_unit_test(vessels_in_wide_domains),
       cmocka_unit_test(solids_leave_deep_water),
       cmocka_unit_test(fluids_are_as_deep_as_one),
   };

@@ -22,7 +22,7 @@ PBF_FN double pbf_pressure_grid_leaning(int64_t count, int64_t places, const dou
 }
 
 /* Nodes with less free volume around them are in solids. */
-#define PBF_PRESSURE_GRID_NO_VOLUME 0.1
+#define PBF_PRESSURE_GRID_NO_VOLUME 0.003
 
 /* What of the cells around a node is filled. */
 typedef struct pbf_pressure_grid_filling {
@@ -137,12 +137,48 @@ PBF_FN double pbf_pressure_grid_beyond(const pbf_pressure_grid_slope *slope, dou
   return pbf_max(depth * slope->product / slope->square, 0);
 }
 
-/* Once the solution is known, of an ordinary node in the open. */
+/* Lambda of a node in a solid, as it would go on from the nodes beside it: particles may be in a
+ * cell of which a solid leaves a sliver alone, as parts of the next cell. The nodes that are known
+ * are those from `first` to `last` along each axis. */
+PBF_FN double pbf_pressure_grid_into_solid(const pbf_pressure_grid *c,
+                                           const pbf_pressure_grid_topology *t,
+                                           const double *depths, const double *lambda, int64_t node,
+                                           const int i[PBF_DIM], const int first[PBF_DIM],
+                                           const int last[PBF_DIM]) {
+  double sum = 0;
+  int count = 0;
+  for (int side = 0; side < 2 * PBF_DIM; ++side) {
+    const int axis = side / 2, way = side % 2 ? 1 : -1;
+    const int64_t stride = way * (int64_t)c->corner[1u << axis];
+    double value = 0;
+    int known = 0;
+    for (int steps = 1; steps <= 2; ++steps) {
+      const int at = i[axis] + steps * way;
+      const int64_t other = node + steps * stride;
+      if (at < first[axis] || at > last[axis] || pbf_pressure_grid_is_open(depths[other])) break;
+      if (t->is_active && t->torn[other]) break;
+      value = known ? 2 * value - lambda[other] : lambda[other];
+      known = 1;
+    }
+    sum += value;
+    count += known;
+  }
+  return count ? pbf_min(sum / count, 0) : 0;
+}
+
+/* Once the solution is known, of an ordinary node that is not solved for. */
 PBF_FN double pbf_pressure_grid_node_beyond(const pbf_pressure_grid *c,
                                             const pbf_pressure_grid_topology *t,
                                             const double *depths, const double *free_volumes,
-                                            const double *lambda, uint32_t node) {
+                                            const double *lambda, uint32_t node,
+                                            const int i[PBF_DIM], const int first[PBF_DIM],
+                                            const int last[PBF_DIM]) {
   pbf_pressure_grid_slope slope = {0, 0};
+  double free_volume = 0;
+  PBF_UNROLLED
+  for (int a = 0; a < PBF_CORNERS; ++a) free_volume += free_volumes[node - c->corner[a]];
+  if (free_volume < PBF_PRESSURE_GRID_NO_VOLUME)
+    return pbf_pressure_grid_into_solid(c, t, depths, lambda, node, i, first, last);
   PBF_UNROLLED
   for (int a = 0; a < PBF_CORNERS; ++a)
     pbf_pressure_grid_add_slope(c, t, depths, free_volumes, lambda, node - c->corner[a], &slope);
