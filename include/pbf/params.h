@@ -157,7 +157,8 @@ typedef struct pbf_params {
                            Decided at the begin of each pbf_step by as many particles as there are,
                            or as the last step was for, unless a quarter of these is gone: it would
                            flicker where particles come and go. Solids of up to two cells part the
-                           grid where they part the fluid. */
+                           grid where they part the fluid. A domain of too many cells keeps those
+                           around the fluid; where these are too many they are wider. */
   double prestabilization; /* >= 0, with PBF_SOLVER_CHEBYSHEV: where the mean of max(rho/rho0 - 1,
                               0) is above this, or the largest above 25 times this, a fluid that
                               has been placed is moved to rest density before its next step,
