@@ -251,11 +251,11 @@ static void fit(const pair_pass *p, const pbf_real *numbers, pbf_real *fitted, u
   const pbf_constants c = *p->constants;
   const pressure_fit_pass pass = {&c};
   for (uint32_t g = first; g < last; ++g) {
-    const lane_sums<pressure_fit_pass::sums> sums(
-        sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g));
-    alignas(64) pbf_real lines[WIDTH];
-    for (uint32_t l = 0; l < WIDTH; ++l) lines[l] = pass.finish(sums[l], numbers[g * WIDTH + l]);
-    lane_store(fitted + g * WIDTH, lane_load(lines));
+    const pbf_real *own = numbers + g * WIDTH;
+    pbf_real *lines = fitted + g * WIDTH;
+    const auto sums = sums_of_group<FOR_SIZE>(pass, p, {numbers, NULL}, {}, g);
+    lane_store(lines, pass.line(sums, lane_load(own)));
+    for (uint32_t l = 0; l < WIDTH; ++l) lines[l] = pass.finish(lines[l], own[l]);
   }
 }
 

@@ -50,7 +50,8 @@ static __global__ void __launch_bounds__(PBF_BLOCK)
   if (k >= n.particles.count) return;
   const pressure_fit_pass pass = {&n.constants};
   const pbf_real own = n.particles.points[k].lambda;
-  out[present[k]] = pbf_pressure(scale, pass.finish(sums_present(pass, n, k), own));
+  const pbf_real line = pass.line(sums_present(pass, n, k), own);
+  out[present[k]] = pbf_pressure(scale, pass.finish(line, own));
 }
 
 #endif

@@ -41,7 +41,8 @@ static inline pbf_real solver_density(const solver *s, const pbf_obstacles *o, u
 /* Lambda of the last step where particle i stands, positions sorted into s->grid. */
 static inline pbf_real fitted_lambda(const solver *s, uint32_t i) {
   const pressure_fit_pass pass = {&s->constants};
-  return pass.finish(sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i), s->lambda[i]);
+  const auto sums = sums_around(s, pass, s->x, {s->lambda, NULL}, {}, i);
+  return pass.finish(pass.line(sums, s->lambda[i]), s->lambda[i]);
 }
 
 /* From the positions at the start of the step, between the obstacles of that time. */

@@ -19,7 +19,7 @@ static pbf_real fit_at(const pbf_constants *c, const pbf_vec *x, const pbf_real 
     if (j != i) pass.pair(&sums, {}, {lanes_of(x_ij), pbf_dot(x_ij, x_ij), numbers[j], {}});
   }
   pass.end(&sums);
-  return pass.finish(sums, numbers[i]);
+  return pass.finish(pass.line(sums, numbers[i]), numbers[i]);
 }
 
 /* The first unknown of a symmetric system, by Gauss and Jordan with the largest pivot. */

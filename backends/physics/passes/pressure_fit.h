@@ -52,31 +52,35 @@ struct pressure_fit_pass {
   template <class L>
   PBF_IN void end(sums<L> *) const {}
 
-  /* The line where a particle stands that has `lambda`: none if it has none, and never of the
-   * other sign. The slopes are held back by a thousandth, so that neighbours in one row, or none,
-   * leave no doubt. */
-  PBF_IN pbf_real finish(const sums<pbf_real> &s, pbf_real lambda) const {
-    pbf_real square[PBF_DIM][PBF_DIM], at[PBF_DIM], value_at[PBF_DIM];
-    pbf_real weight = s.weight + 1, value = s.value + lambda;
-    if (lambda == 0) return 0;
+  /* The line where a particle stands that has `lambda`. The slopes are held back by a thousandth,
+   * so that neighbours in one row, or none, leave no doubt. */
+  template <class L>
+  PBF_IN L line(const sums<L> &s, L lambda) const {
+    L square[PBF_DIM][PBF_DIM], at[PBF_DIM], value_at[PBF_DIM];
+    L weight = s.weight + ops<L>::set(1), value = s.value + lambda;
     for (int k = 0, moment = 0; k < PBF_DIM; ++k) {
       at[k] = s.at.c[k];
       value_at[k] = s.value_at.c[k];
       for (int m = 0; m <= k; ++m, ++moment) square[k][m] = square[m][k] = s.square[moment];
-      square[k][k] += (pbf_real)1e-3;
+      square[k][k] = square[k][k] + ops<L>::set((pbf_real)1e-3);
     }
     /* Elimination, the slopes first. */
     for (int k = 0; k < PBF_DIM; ++k) {
       for (int m = k + 1; m < PBF_DIM; ++m) {
-        pbf_real part = square[m][k] / square[k][k];
-        for (int n = k; n < PBF_DIM; ++n) square[m][n] -= part * square[k][n];
-        at[m] -= part * at[k];
-        value_at[m] -= part * value_at[k];
+        const L part = square[m][k] / square[k][k];
+        for (int n = k; n < PBF_DIM; ++n) square[m][n] = square[m][n] - part * square[k][n];
+        at[m] = at[m] - part * at[k];
+        value_at[m] = value_at[m] - part * value_at[k];
       }
-      weight -= at[k] * at[k] / square[k][k];
-      value -= at[k] * value_at[k] / square[k][k];
+      weight = weight - at[k] * at[k] / square[k][k];
+      value = value - at[k] * value_at[k] / square[k][k];
     }
-    pbf_real line = value / weight;
+    return value / weight;
+  }
+
+  /* Where the particle has no number there is none, and nowhere one of the other sign. */
+  PBF_IN pbf_real finish(pbf_real line, pbf_real lambda) const {
+    if (lambda == 0) return 0;
     return lambda < 0 ? pbf_real_min(line, 0) : pbf_real_max(line, 0);
   }
 };
