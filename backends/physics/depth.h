@@ -11,6 +11,7 @@
 #include "physics/derive.h"
 #include "physics/elementary.h"
 #include "physics/fullness.h"
+#include "physics/phases.h"
 #include "physics/steps_leave.h"
 
 /* What is left of an error of this kind to the iterations, where a grid carries the rest: the
@@ -178,15 +179,17 @@ static inline int pbf_depth_wants_grid(const pbf_params *params, pbf_basins *bas
 }
 
 /* The cells' width of the grid that so many particles have, in units of h; 0: none. More particles
- * have one where fewer have. `most` is what steps have left for each layer, at most. Phases that
- * are close (phases.h) have one however deep they are, without which light ones do not rise. Wide
- * kernels part them by themselves, and are quieter without one where they are shallow. */
+ * have one where fewer have. `most` is what steps have left for each layer, at most. Of `phases`,
+ * null where there are none, those that are close (phases.h) have one however deep they are,
+ * without which light ones do not rise. Wide kernels part them by themselves, and are quieter
+ * without one where they are shallow. Those of which it would carry nothing have none. */
 static inline double pbf_depth_grid(const pbf_params *params, pbf_basins *basins,
                                     uint32_t colliders, const pbf_collider *list, uint32_t count,
-                                    double most, int close_phases = 0) {
+                                    double most, const pbf_phase_table *phases = NULL) {
   if (!pbf_may_have_pressure_grid(params)) return 0;
+  if (phases && !(pbf_carried_density(phases) > 0)) return 0;
   if (params->pressure_grid > 0) return params->pressure_grid;
-  const int always = close_phases && !pbf_is_wide_kernel(params);
+  const int always = phases && pbf_phases_are_close(phases) && !pbf_is_wide_kernel(params);
   int deep = params->solver == PBF_SOLVER_CHEBYSHEV &&
              (always ? pbf_depth_has_weight(params)
                      : pbf_depth_wants_grid(params, basins, colliders, list, count, most));

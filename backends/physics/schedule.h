@@ -86,13 +86,12 @@ static inline pbf_schedule pbf_schedule_of(const pbf_params *params, const pbf_d
   s.corrects_shear = (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
                      pbf_depth_corrects_shear(params, basins, colliders, list, count, phases);
   const int accelerated = s.accelerated, corrects_shear = s.corrects_shear;
-  const int close_phases = s.close_phases;
 #define PBF_STAGE(ID, name, feature, times, launches) \
   if ((PBF_BUILT & PBF_FEATURE_##feature) == PBF_FEATURE_##feature) s.runs[PBF_STAGE_##ID] = times;
 #include "physics/stages.def"
-  s.may_have_grid = (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
-                    pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity), most,
-                                   s.close_phases) > 0;
+  s.may_have_grid =
+      (PBF_BUILT & PBF_FEATURE_PRESSURE_GRID) &&
+      pbf_depth_grid(params, basins, colliders, list, pbf_max_planned(capacity), most, table) > 0;
   s.may_correct_shear =
       (PBF_BUILT & PBF_FEATURE_DAMPING_COMPENSATION) && s.accelerated &&
       pbf_depth_corrects_shear(params, basins, colliders, list, pbf_max_planned(capacity), phases);

@@ -29,10 +29,9 @@ static inline double pbf_settled_error(const pbf_params *params, pbf_basins *bas
   if (!(pbf_error_per_layer(params, PBF_DIM) > 0)) return -1;
   const pbf_params p = pbf_with_error_per_layer(params, error);
   const double layers = pbf_settled_layers(&p, basins, colliders, list, count);
-  const double cells =
-      PBF_BUILT & PBF_FEATURE_PRESSURE_GRID
-          ? pbf_depth_grid(&p, basins, colliders, list, count, most, pbf_phases_are_close(phases))
-          : 0;
+  const double cells = PBF_BUILT & PBF_FEATURE_PRESSURE_GRID
+                           ? pbf_depth_grid(&p, basins, colliders, list, count, most, phases)
+                           : 0;
   if (!(cells > 0)) return error * layers;
   const double width = cells * p.smoothing_radius;
   const double push = pbf_weight_of(&p, PBF_DIM) * p.time_step * p.time_step / width;

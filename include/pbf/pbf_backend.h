@@ -411,8 +411,10 @@ struct pbf_backend_api {
                           pbf_collider_load *loads);
 
   /* Optional: particles differ in mass, by their phase in this table; all are of phase 0 until
-   * PBF_BACKEND_FIELD_PHASE is written. Null: they are alike. Wakes all. While
-   * there is a table, parameters are without what phases.h says is refused. */
+   * PBF_BACKEND_FIELD_PHASE is written. Null: they are alike. Wakes all, but
+   * for a call that fails, which changes nothing. While there is a table, parameters are without
+   * what phases.h says is refused; params.pressure_grid may be -1 where a grid would carry nothing
+   * of such phases, and none is to be had. */
   pbf_status (*set_phases)(pbf_backend_solver *solver, const pbf_phase_table *table);
 
   /* Optional, both or none: the most that steps so far have left of an error for each layer of

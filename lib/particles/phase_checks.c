@@ -53,12 +53,10 @@ pbf_status pbf_phases_check(pbf_phases *phases, pbf_check_kind kind) {
                   phases->of[lightest].rest_density);
 }
 
-/* What a grid carries of these fluids, a bit each, is more than nothing: physics/phases.h of the
- * backends. Of no fluids it carries all. */
-static int has_grid(const pbf_phases *phases, uint32_t these) {
+/* What a grid carries of these fluids is more than nothing: physics/phases.h of the backends. */
+static int has_grid(const pbf_phases *phases) {
   double lightest = HUGE_VAL, heaviest = 0;
   for (uint32_t i = 0; i < phases->count; ++i) {
-    if (!(these >> i & 1)) continue;
     lightest = fmin(lightest, phases->of[i].rest_density);
     heaviest = fmax(heaviest, phases->of[i].rest_density);
   }
@@ -74,7 +72,7 @@ static pbf_status refuse(const char *name, double value) {
 
 pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *params) {
   if (!phases || !phases->differ) return PBF_OK;
-  if (params->pressure_grid > 0 && !has_grid(phases, UINT32_MAX))
+  if (params->pressure_grid > 0 && !has_grid(phases))
     return pbf_fail(PBF_ERROR_UNSUPPORTED,
                     "params.pressure_grid is %.9g and a phase has a rest_density of a third of the "
                     "heaviest one's or less; a grid carries none of that, and must be 0 or -1",
@@ -88,11 +86,4 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
         "of several",
         params->viscosity);
   return PBF_OK;
-}
-
-pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params) {
-  pbf_params theirs = *params;
-  if (!phases || !phases->differ) return theirs;
-  if (!has_grid(phases, phases->used ? phases->used : UINT32_MAX)) theirs.pressure_grid = 0;
-  return theirs;
 }

@@ -13,7 +13,6 @@
 #include "solver/handles.h"
 #include "solver/ids.h"
 #include "solver/overlap.h"
-#include "solver/set_params.h"
 #include "structs.h"
 
 /* ---- The backend ----------------------------------------------------------------------------- */
@@ -52,13 +51,18 @@ static pbf_status write_table(pbf_solver *solver, const pbf_phases *phases) {
                             "set_phases");
 }
 
-pbf_status pbf_phases_to_backend(pbf_solver *solver, const pbf_phases *phases, uint32_t count,
+static pbf_status write_all_rows(pbf_solver *solver, const pbf_phases *phases, uint32_t count,
                                  const uint32_t *ids) {
-  pbf_status status = write_table(solver, phases);
-  if (status != PBF_OK || !phases || !phases->differ) return status;
+  if (!phases || !phases->differ) return PBF_OK;
   const pbf_rows all = {sizeof all, 0, count, count, ids};
   const pbf_rows own = pbf_ids_rows(solver, 0, count);
   return write_rows(solver, ids ? &all : &own, phases->rows);
+}
+
+pbf_status pbf_phases_to_backend(pbf_solver *solver, const pbf_phases *phases, uint32_t count,
+                                 const uint32_t *ids) {
+  pbf_status status = write_table(solver, phases);
+  return status == PBF_OK ? write_all_rows(solver, phases, count, ids) : status;
 }
 
 /* ---- Calls ----------------------------------------------------------------------------------- */
@@ -112,26 +116,23 @@ pbf_status pbf_phases_check_ranks(const pbf_phases *phases, const pbf_solver *so
                   solver->plugin->name);
 }
 
-/* As it was before, as far as a failing device lets it; its message is kept. */
+/* Of a table that the backend has taken: as it was before, as far as a failing device lets it; its
+ * message is kept. */
 static pbf_status go_back(pbf_solver *solver, pbf_status status) {
   char why[PBF_MESSAGE_SIZE];
   memcpy(why, pbf_last_error(), sizeof why);
   (void)pbf_phases_to_backend(solver, solver->phases, solver->count, NULL);
-  (void)pbf_params_to_backend(solver, &solver->params);
   return pbf_fail(status, "%s", why);
 }
 
-/* Parameters come before a table that some of them do not go with, and after one that is left. */
+/* A table that the backend does not take has changed nothing, and woken nothing. */
 static pbf_status replace(pbf_solver *solver, pbf_phases *ours) {
-  pbf_phases *before = solver->phases;
-  pbf_status status = PBF_OK;
-  if (differ(ours)) status = pbf_params_with_phases(solver, &solver->params, ours);
-  if (status == PBF_OK) status = pbf_phases_to_backend(solver, ours, solver->count, NULL);
-  if (status == PBF_OK && differ(before) && !differ(ours))
-    status = pbf_params_with_phases(solver, &solver->params, ours);
+  pbf_status status = write_table(solver, ours);
+  if (status != PBF_OK) return status;
+  status = write_all_rows(solver, ours, solver->count, NULL);
   if (status != PBF_OK) return go_back(solver, status);
+  pbf_phases_free(solver, solver->phases);
   solver->phases = ours;
-  pbf_phases_free(solver, before);
   return PBF_OK;
 }
 
@@ -155,11 +156,10 @@ static pbf_status tell_used(pbf_solver *solver, uint32_t used) {
   const uint32_t before = phases->used;
   const double left = before ? pbf_overlap_steps_leave(solver) : 0;
   phases->used = used;
-  pbf_status status = pbf_params_to_backend(solver, &solver->params);
-  if (status == PBF_OK) status = write_table(solver, phases);
+  const pbf_status status = write_table(solver, phases);
   if (status != PBF_OK) {
     phases->used = before;
-    return go_back(solver, status);
+    return status;
   }
   if (before) pbf_overlap_note_grid(solver, left);
   return PBF_OK;

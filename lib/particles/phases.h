@@ -35,10 +35,6 @@ pbf_status pbf_phases_check_params(const pbf_phases *phases, const pbf_params *p
 /* Whether phases that differ are to be had of the backend: not of each on ranks. */
 pbf_status pbf_phases_check_ranks(const pbf_phases *phases, const pbf_solver *solver);
 
-/* The parameters that a backend gets: where phases differ, without what defaults leave to it and it
- * has not for them. */
-pbf_params pbf_phases_params(const pbf_phases *phases, const pbf_params *params);
-
 /* Before steps: what phases are that nothing is of must not show. A grid carries what the lightest
  * and the heaviest are by, and so left a pool of water to the iterations where oil was listed. */
 pbf_status pbf_phases_tell_used(pbf_solver *solver);

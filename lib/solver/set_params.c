@@ -9,17 +9,11 @@
 #include "solver_time.h"
 #include "structs.h"
 
-pbf_status pbf_params_with_phases(pbf_solver *solver, const pbf_params *params,
-                                  const struct pbf_phases *phases) {
-  const pbf_params has = pbf_phases_params(phases, params);
-  pbf_params clean = pbf_params_for_backend(&has, solver->kind.dimension);
+pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
+  pbf_params clean = pbf_params_for_backend(params, solver->kind.dimension);
   pbf_status status = solver->api.set_params(solver->backend, &clean);
   if (status == PBF_OK) solver->time_step_there = params->time_step;
   return pbf_backend_result(solver, status, "set_params");
-}
-
-pbf_status pbf_params_to_backend(pbf_solver *solver, const pbf_params *params) {
-  return pbf_params_with_phases(solver, params, solver->phases);
 }
 
 static pbf_status set_params(pbf_solver *solver, const pbf_params *theirs) {

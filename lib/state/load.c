@@ -115,7 +115,7 @@ static pbf_status write_to_backend(pbf_solver *solver, const pbf_saved_state *in
 static pbf_status replace_state(pbf_solver *solver, pbf_saved_state *in) {
   previous_state previous;
   pbf_status status = read_previous(solver, &previous);
-  if (status == PBF_OK) status = pbf_params_with_phases(solver, &in->params, in->phases);
+  if (status == PBF_OK) status = pbf_params_to_backend(solver, &in->params);
   if (status == PBF_OK) {
     status = write_to_backend(solver, in);
     if (status != PBF_OK) status = roll_back(solver, &previous, in->ids, status);

@@ -1,6 +1,7 @@
 /* Every allocation made to fail in turn: the status, no leak, the state as it was. */
 #include <dlpack/dlpack.h>
 
+#include <pbf/phases.h>
 #include <pbf/query.h>
 
 #include "support.h"
@@ -36,6 +37,14 @@ static pbf_status set_drowsy(scene *s) {
   params.solver = PBF_SOLVER_JACOBI;
   params.sleep_speed = params.sleep_time = 1;
   const pbf_status status = pbf_set_params(s->solver, &params);
+  return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
+}
+/* Of which a pressure grid would carry nothing. */
+static pbf_status set_phases(scene *s) {
+  pbf_phase phases[2];
+  for (int i = 0; i < 2; ++i) assert_ok(pbf_phase_init(&phases[i], sizeof *phases));
+  phases[1].rest_density = 0.1;
+  const pbf_status status = pbf_set_phases(s->solver, 2, phases);
   return status == PBF_ERROR_UNSUPPORTED ? PBF_OK : status;
 }
 static pbf_status set_colliders(scene *s) { return pbf_set_colliders(s->solver, 1, &s->collider); }
@@ -129,7 +138,8 @@ typedef enum beginning {
   LATTICE,
   PLACED /* in a solid, out of which the first step moves it */,
   STEPPED /* in a vessel */,
-  LYING /* on the floor, under pressure */
+  LYING /* on the floor, under pressure */,
+  ASLEEP
 } beginning;
 
 static scene make_scene(beginning start) {
@@ -147,7 +157,11 @@ static scene make_scene(beginning start) {
   s.params.scorr_k = 0.1;
   s.params.smoothing_radius = 0.15;
   if (start == LATTICE) return s;
-  if (start == LYING) {
+  if (start == LYING || start == ASLEEP) {
+    pbf_params params = test_params();
+    if (start == ASLEEP) params.sleep_speed = 10, params.sleep_time = 0.1;
+    const pbf_status status = pbf_set_params(s.solver, &params);
+    if (status != PBF_ERROR_UNSUPPORTED) assert_ok(status);
     assert_ok(pbf_step(s.solver, 60));
     return s;
   }
@@ -254,6 +268,7 @@ static void each_call(void **state) {
   fail_in_turn(STEPPED, set_colliders);
   fail_in_turn(STEPPED, step);
   fail_in_turn(LYING, set_drowsy);
+  fail_in_turn(ASLEEP, set_phases);
 }
 
 static void creation(void **state) {
