@@ -17,6 +17,11 @@
  *
  * No exception crosses the library: what the log throws is kept (take_log_exception), and the
  * functions of allocators and task systems are noexcept. */
+#if __cplusplus < 201703L && !(defined(_MSVC_LANG) && _MSVC_LANG >= 201703L)
+#error "pbf.hpp is C++17: compile by -std=c++17 or /std:c++17, or a later standard"
+#define PBF_PBF_HPP /* so that nothing else is wrong */
+#endif
+
 #ifndef PBF_PBF_HPP
 #define PBF_PBF_HPP
 

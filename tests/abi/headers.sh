@@ -44,5 +44,13 @@ for standard in c++17 c++20; do
     done
   done
 done
+# In older ones it says what it needs, and nothing else.
+for compiler in g++ clang++; do
+  command -v $compiler >/dev/null || continue
+  printf '#include <pbf/pbf.hpp>\n' >"$folder/older.cpp"
+  ! $compiler -std=c++14 -fsyntax-only -I"$include" "$folder/older.cpp" 2>"$folder/errors" || { echo "$compiler takes pbf.hpp for C++14"; exit 1; }
+  grep -q 'error: .*pbf.hpp is C++17' "$folder/errors" && [ "$(grep -c 'error:' "$folder/errors")" = 1 ] ||
+    { cat "$folder/errors"; exit 1; }
+done
 echo "$tried compilers and standards"
 [ $tried -gt 0 ] || { echo "skipped: no compiler"; exit 77; }
