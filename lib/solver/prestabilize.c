@@ -11,6 +11,7 @@
 #include "physics/prestabilization.h"
 #include "physics/spacing.h"
 #include "solver_time.h"
+#include "step.h"
 #include "text.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step
@@ -131,6 +132,8 @@ static pbf_status project(pbf_solver *solver, int jumped, pbf_before_projection 
     if (status != PBF_OK || (error <= max_error && pass >= at_least)) return status;
     stalled = improve(&least, &stats) ? 0 : stalled + 1;
     if (stats.neighbors_mean > max_neighbors_mean || stalled == MAX_STALLED) break;
+    status = pbf_steps_cancelled(solver, &before->cancelled);
+    if (status != PBF_OK || before->cancelled) return status;
     status = keep_positions(solver, before);
     if (status != PBF_OK) return status;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);

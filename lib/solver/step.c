@@ -100,7 +100,8 @@ static pbf_status run(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   return run_backend(solver, solver->time_base, solver->steps_since, alike, done);
 }
 
-/* A step that fails leaves positions as they were, and what is noted of overlaps. */
+/* A step that fails, or does not begin, leaves positions as they were, and what is noted of
+ * overlaps. */
 static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done) {
   pbf_before_projection before;
   const pbf_overlap_state overlap = solver->overlap;
@@ -108,7 +109,7 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   pbf_status status = pbf_phases_tell_used(solver);
   if (status != PBF_OK) return status;
   status = pbf_prestabilize(solver, &before);
-  if (status == PBF_OK) status = run(solver, steps, done);
+  if (status == PBF_OK && !before.cancelled) status = run(solver, steps, done);
   if (*done > 0 || pbf_solver_time(solver) != begin) {
     pbf_prestabilize_accept(solver, &before);
   } else {
@@ -200,14 +201,24 @@ static int is_cancelled(const pbf_solver *solver) {
 /* One rank's cancellation ends the call on all after the same step: each would else wait for one
  * that has gone on to another call. Not before a first step, by which they know that all are in
  * this call. */
-static pbf_status tell_ranks(pbf_solver *solver) {
+static pbf_status tell_all_ranks(pbf_solver *solver) {
   const pbf_backend_api *api = &solver->api;
-  if (!solver->ranks.count || solver->untold < steps_at_once(solver, UINT32_MAX)) return PBF_OK;
   solver->untold = 0;
   const pbf_backend_ranks_tell *tell = api->get_extension(PBF_BACKEND_RANKS_TELL);
   if (!tell || tell->struct_size < offsetof(pbf_backend_ranks_tell, note)) return PBF_OK;
   return pbf_backend_result(
       solver, tell->any(solver->backend, is_asked_to_end(solver), &solver->told), "any");
+}
+
+static pbf_status tell_ranks(pbf_solver *solver) {
+  if (!solver->ranks.count || solver->untold < steps_at_once(solver, UINT32_MAX)) return PBF_OK;
+  return tell_all_ranks(solver);
+}
+
+pbf_status pbf_steps_cancelled(pbf_solver *solver, int *cancelled) {
+  const pbf_status status = solver->ranks.count ? tell_all_ranks(solver) : PBF_OK;
+  *cancelled = is_cancelled(solver);
+  return status;
 }
 
 /* What steps cost beside their particles, and how busy the processors are, the clock tells; of a
