@@ -66,6 +66,14 @@ static int has_no_end(const pbf_query_place *place) {
   return found;
 }
 
+/* From one place to another along an axis, or to the nearest of its images. */
+static double way_along(const pbf_query_index *index, uint32_t axis, double way) {
+  const double period = index->period[axis], to = fabs(way);
+  if (!(period > 0)) return to;
+  const double beyond = to - period * floor(to / period);
+  return fmin(beyond, period - beyond);
+}
+
 /* How far the nearest of some particles is. */
 static double nearest_of(const pbf_query_index *index, uint32_t begin, uint32_t end,
                          const double point[3]) {
@@ -74,8 +82,8 @@ static double nearest_of(const pbf_query_index *index, uint32_t begin, uint32_t 
   for (uint32_t i = begin; i < end; ++i) {
     double square = 0;
     for (uint32_t k = 0; k < n; ++k) {
-      const double to =
-          pbf_query_number(index->points, (uint64_t)i * n + k, index->precision) - point[k];
+      const double x = pbf_query_number(index->points, (uint64_t)i * n + k, index->precision);
+      const double to = way_along(index, k, x - point[k]);
       square += to * to;
     }
     nearest = fmin(nearest, square);
@@ -102,12 +110,8 @@ static double leap(const pbf_query_index *index, const ray *r, double t) {
   return t + nearest_of(index, 0, index->count, point) - CELLS * index->cell;
 }
 
-/* Of how many empty cells it is worth a look at all particles; never with images of these. */
-static uint32_t cells_worth_a_leap(const pbf_query_index *index) {
-  for (uint32_t k = 0; k < index->dimension; ++k)
-    if (index->period[k] > 0) return UINT32_MAX;
-  return 32 + index->count / 256;
-}
+/* Of how many empty cells it is worth a look at all particles. */
+static uint32_t cells_worth_a_leap(const pbf_query_index *index) { return 32 + index->count / 256; }
 
 static double density_at(pbf_query_place *place, const ray *r, double t) {
   double point[3];

@@ -115,6 +115,7 @@ static void check_far_above(uint32_t dimension, uint32_t precision) {
   uint32_t seed = 7;
   assert_ok(pbf_get_params(p.solver, &params));
   params.domain_max[1] = height;
+  params.periodic = dimension == 2 ? PBF_PERIODIC_X : 0;
   assert_ok(pbf_set_params(p.solver, &params));
   const void *far = precision == PBF_FLOAT32 ? (const void *)far32 : far64;
   assert_ok(pbf_add_particles(p.solver, 1, far, NULL, NULL));
@@ -130,12 +131,35 @@ static void levels_below_what_flew_away(void **state) {
   test_for_long_kinds(check_far_above);
 }
 
+/* The image of a block, behind a face, is what a way through empty cells leads to. */
+static void levels_of_an_image(void **state) {
+  (void)state;
+  enum { BLOCK_SIDE = 4, BLOCK = BLOCK_SIDE * BLOCK_SIDE };
+  const double width = 80 * d, bottom = 10 * d, top = bottom + BLOCK_SIDE * d;
+  const double place[2] = {0, 0};
+  double x[2 * (BLOCK + 1)] = {0, top + 180 * d}, at;
+  const pbf_desc desc = test_desc(2, PBF_FLOAT64, BLOCK + 1);
+  pbf_params params = test_params();
+  if (!test_has_kind(2, PBF_FLOAT64)) test_skip("no 2D in float64");
+  params.domain_max[0] = width;
+  params.domain_max[1] = 1000;
+  params.periodic = PBF_PERIODIC_X;
+  for (int i = 0; i < BLOCK; ++i) {
+    x[2 * i + 2] = width - (i % BLOCK_SIDE + 0.05) * d;
+    x[2 * i + 3] = bottom + (i / BLOCK_SIDE + 0.5) * d;
+  }
+  pbf_solver *s = test_create(&desc, &params);
+  assert_ok(pbf_add_particles(s, BLOCK + 1, x, NULL, NULL));
+  assert_ok(pbf_get_levels(s, 1, place, &at));
+  if (!(fabs(at - top) < 0.5 * d)) fail_msg("the level is %.9g, not %.9g", at, top);
+  pbf_destroy(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rays_at_a_flat_pool),
-      cmocka_unit_test(rays_past_nothing),
-      cmocka_unit_test(levels_of_a_pool),
-      cmocka_unit_test(levels_below_what_flew_away),
+      cmocka_unit_test(rays_at_a_flat_pool), cmocka_unit_test(rays_past_nothing),
+      cmocka_unit_test(levels_of_a_pool),    cmocka_unit_test(levels_below_what_flew_away),
+      cmocka_unit_test(levels_of_an_image),
   };
   return TEST_RUN(tests);
 }
