@@ -234,27 +234,27 @@ static void an_impact_wakes(void **state) {
  * and where particles have been placed is asked of all others. */
 static void rain_falls_on_sleepers(void **state) {
   (void)state;
-  enum { WIDE = 256, DROPS = 10, ROUNDS = 3 }; /* in all fewer than a layer, which wakes all */
-  float x[2 * WIDE * HIGH];
+  enum { WIDE = 24, POOL = WIDE * WIDE * HIGH, DROPS = 40, ROUNDS = 3 }; /* fewer than a layer */
+  float x[3 * POOL];
   pbf_params params = sleepy();
-  pbf_destroy(solver_with(2, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
-  pbf_desc desc = test_desc(2, PBF_FLOAT32, WIDE * HIGH + DROPS * ROUNDS);
-  params.domain_max[0] = 0.05 * WIDE;
+  pbf_destroy(solver_with(3, PBF_FLOAT32, &params)); /* skips where nothing sleeps */
+  pbf_desc desc = test_desc(3, PBF_FLOAT32, POOL + DROPS * ROUNDS);
+  params.domain_max[0] = params.domain_max[2] = 0.05 * WIDE;
   pbf_solver *s = test_create(&desc, &params);
-  for (uint32_t i = 0; i < WIDE * HIGH; ++i) {
-    x[2 * i] = 0.025f + 0.05f * (float)(i / HIGH);
-    x[2 * i + 1] = 0.025f + 0.05f * (float)(i % HIGH);
+  for (uint32_t i = 0; i < POOL; ++i) {
+    const uint32_t column = i / HIGH, place[3] = {column % WIDE, i % HIGH, column / WIDE};
+    for (int k = 0; k < 3; ++k) x[3 * i + k] = 0.025f + 0.05f * (float)place[k];
   }
-  assert_ok(pbf_add_particles(s, WIDE * HIGH, x, NULL, NULL));
-  until_asleep(s, WIDE * HIGH);
+  assert_ok(pbf_add_particles(s, POOL, x, NULL, NULL));
+  until_asleep(s, POOL);
   for (uint32_t round = 0; round < ROUNDS; ++round) {
-    for (uint32_t i = 0; i < DROPS; ++i) {
-      x[2 * i] = 0.05f + 0.002f * (float)((i * 37 + round * 11) % 16);
-      x[2 * i + 1] = 0.5f + 0.02f * (float)(i % 5);
-    }
+    const float above[3] = {0.3f * (float)(round + 1), 0.3f, 0.5f};
+    for (uint32_t i = 0; i < DROPS; ++i) /* close to each other, each on three planes of its own */
+      for (uint32_t k = 0; k < 3; ++k)
+        x[3 * i + k] = above[k] + 0.05f * (float)(i * (7 + 6 * k) % DROPS) / DROPS;
     assert_ok(pbf_add_particles(s, DROPS, x, NULL, NULL));
-    assert_ok(pbf_step(s, 1 + round % 2));
-    assert_in_range(asleep_in(s), WIDE * HIGH / 2, WIDE * HIGH);
+    assert_ok(pbf_step(s, 1));
+    assert_in_range(asleep_in(s), POOL / 2, POOL);
   }
   pbf_destroy(s);
 }
