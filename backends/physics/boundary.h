@@ -162,13 +162,23 @@ PBF_FN_HOST_NOINLINE void pbf_accumulate_face(const pbf_constants *c, const pbf_
   pbf_accumulate_plane(c, part * value, part * slope, face.normal, boundary);
 }
 
+/* Whether a face lies flush with a wall of the domain, or behind it: that wall, or its ghosts, then
+ * stand for all that is behind the face. In a corner the sum of the domain's walls leans away from
+ * each of them, and would not tell. */
+PBF_FN_HOST_NOINLINE int pbf_is_behind_wall(const pbf_constants *c, const pbf_domain *domain,
+                                            pbf_vec x, const pbf_near_face &face) {
+  const int wall = pbf_wall_along(domain, x, pbf_boundary_reach(c), &face);
+  return wall >= 0 && face.distance > pbf_wall_distance(domain, wall, x) - c->h / 128;
+}
+
 /* Adds what surfaces contribute at x, within the domain. */
 template <class Each>
 PBF_FN_HOST_NOINLINE void pbf_accumulate_surfaces(const pbf_constants *c, const pbf_domain *domain,
                                                   pbf_vec x, Each each, pbf_boundary *boundary) {
   pbf_each_near_plane(c, domain, x, pbf_boundary_reach(c), each,
                       [&](const pbf_near_face &face, pbf_real part) {
-                        pbf_accumulate_face(c, face, part, boundary);
+                        if (!pbf_is_behind_wall(c, domain, x, face))
+                          pbf_accumulate_face(c, face, part, boundary);
                       });
 }
 

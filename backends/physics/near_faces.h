@@ -1,10 +1,14 @@
-/* Part of near_planes.h: the flat faces near a place, and what they leave of an edge.
+/* Part of near_planes.h: the faces near a place, and what they leave of edges and of each other.
  *
  * Beside the end of a box its nearest point is on an edge, and the plane through that is askew to
  * both faces. Of a wall made of flush boxes those beside the one before a particle would each
  * contribute such a plane, and none of them is there. But the edge lies in the wall's plane. So an
  * edge counts as far as it rises from the faces nearer than itself, in parts of what it would rise
- * were its plane at right angles to theirs. */
+ * were its plane at right angles to theirs.
+ *
+ * So it is with round solids that reach into each other, as a bank made of balls: each is nearest
+ * to a particle somewhere, mostly inside of others. Curved faces count as far as they rise from
+ * those nearer than themselves, and flat ones as far as they rise from curved ones. */
 #ifndef PBF_PHYSICS_NEAR_FACES_H
 #define PBF_PHYSICS_NEAR_FACES_H
 
@@ -18,6 +22,8 @@ typedef struct pbf_near_face {
   pbf_real distance;
   int is_unbounded; /* all behind it is solid */
   int solid;        /* the number that visitors have for it */
+  int is_curved;
+  pbf_real part; /* that nearer ones leave of it */
 } pbf_near_face;
 
 typedef struct pbf_near_faces {
@@ -63,13 +69,41 @@ PBF_FN_HOST_NOINLINE pbf_real pbf_part_before_faces(const pbf_constants *c,
                                                     pbf_vec normal) {
   pbf_real part = 1;
   for (int k = 0; k < faces->count; ++k)
-    part = pbf_real_min(part, pbf_part_before_face(c, &faces->of[k], distance, normal));
+    if (!faces->of[k].is_curved)
+      part = pbf_real_min(part, pbf_part_before_face(c, &faces->of[k], distance, normal));
   return part;
 }
 
-/* Whether all that is behind one of two faces is behind the other, which is nearer. */
+/* The part of a face that the first of the others leave, where one of both is curved. What does not
+ * rise from a nearer one counts as far as they face other ways, as at right angles each has all
+ * behind it to itself; and what is hidden hides nothing. */
+PBF_FN_HOST_NOINLINE pbf_real pbf_part_before_nearer(const pbf_constants *c,
+                                                     const pbf_near_faces *faces, int first,
+                                                     const pbf_near_face *face) {
+  pbf_real part = 1;
+  for (int k = 0; k < first; ++k) {
+    const pbf_near_face *nearer = &faces->of[k];
+    if (!face->is_curved && !nearer->is_curved) continue;
+    const pbf_real cosine = pbf_real_max(pbf_dot(nearer->normal, face->normal), 0);
+    const pbf_real rises = pbf_part_before_face(c, nearer, face->distance, face->normal);
+    part = pbf_real_min(part, 1 - nearer->part * cosine * (1 - rises));
+  }
+  return part;
+}
+
+/* Of all faces the part that nearer ones leave. */
+PBF_FN_HOST_NOINLINE void pbf_find_parts(const pbf_constants *c, pbf_near_faces *faces) {
+  for (int k = 1; k < faces->count; ++k)
+    faces->of[k].part = pbf_part_before_nearer(c, faces, k, &faces->of[k]);
+}
+
+/* Whether all that is behind one of two faces is behind the other, which is nearer: that of a round
+ * solid as far as it is near. */
 PBF_FN int pbf_is_behind_face(const pbf_near_face *face, const pbf_near_face *nearer) {
-  return pbf_dot(face->normal, nearer->normal) > (pbf_real)0.999;
+  const pbf_real cosine = pbf_dot(face->normal, nearer->normal);
+  if (cosine > (pbf_real)0.999) return 1;
+  return (face->is_curved || nearer->is_curved) && cosine > (pbf_real)0.9 &&
+         nearer->distance < cosine * face->distance;
 }
 
 /* Puts a face among the others, nearest first, without those that lie behind others: of solids of

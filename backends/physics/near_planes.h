@@ -1,5 +1,5 @@
 /* Part of boundary.h: the planes that surfaces are near a place, and the part of each that counts:
- * those of curved surfaces and fields, flat faces, and edges as far as faces leave them. */
+ * those of fields, faces, and edges as far as faces leave them. */
 #ifndef PBF_PHYSICS_NEAR_PLANES_H
 #define PBF_PHYSICS_NEAR_PLANES_H
 
@@ -11,8 +11,8 @@
 
 template <class Surface>
 PBF_FN pbf_near_face pbf_face_of_surface(const Surface *s, int solid, pbf_real distance,
-                                         pbf_vec normal) {
-  return {normal, distance, pbf_surface_is_unbounded(s), solid};
+                                         pbf_vec normal, int is_curved = 0) {
+  return {normal, distance, pbf_surface_is_unbounded(s), solid, is_curved, 1};
 }
 
 /* What is nearest of a field, as a few planes: of a corner that fluid is in, each side. They are
@@ -32,12 +32,11 @@ PBF_FN_NOINLINE void pbf_meet_field(pbf_real h, const pbf_surface *s, int solid,
   planes->fields += 1; /* here, so that no thread leaves early */
 }
 
-/* Visits the planes of a surface within reach, but for those of fields and flat faces, which are
- * put among the others, and edges, which are noted. */
-template <class Surface, class Each, class Visit>
+/* Puts the planes of a surface within reach among the others, but for edges, which are noted. */
+template <class Surface, class Each>
 PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid, pbf_vec x,
                              pbf_real reach, pbf_near_faces *faces, pbf_near_edges *edges,
-                             pbf_field_planes *of_fields, Each each, Visit visit) {
+                             pbf_field_planes *of_fields, Each each) {
   if (pbf_surface_is_beyond(s, x, reach)) return;
   if constexpr (may_be_field<Surface>::value)
     if (pbf_surface_is_field(s)) {
@@ -53,13 +52,12 @@ PBF_FN void pbf_meet_surface(const pbf_constants *c, const Surface *s, int solid
     pbf_nearest_part nearest;
     const pbf_real distance = pbf_surface_plane_distance(s, plane, planes, x, &normal, &nearest);
     if (!(distance < reach)) continue;
-    const pbf_near_face face = pbf_face_of_surface(s, solid, distance, normal);
+    const pbf_near_face face =
+        pbf_face_of_surface(s, solid, distance, normal, nearest == PBF_NEAREST_CURVED);
     if (nearest == PBF_NEAREST_EDGE)
       pbf_note_edge(&face, edges);
-    else if (nearest == PBF_NEAREST_FACE)
-      pbf_put_face(&face, faces);
     else
-      visit(face, 1);
+      pbf_put_face(&face, faces);
   }
 }
 
@@ -84,13 +82,13 @@ PBF_FN void pbf_visit_edge(const pbf_constants *c, const Surface *s, int solid, 
 PBF_FN_HOST_NOINLINE void pbf_put_domain(const pbf_constants *c, const pbf_domain *domain,
                                          pbf_vec x, pbf_near_faces *faces) {
   for (int wall = 0; wall < 2 * PBF_DIM; ++wall) {
-    pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall};
+    pbf_near_face face = {{{0}}, pbf_wall_distance(domain, wall, x), 1, wall, 0, 1};
     face.normal.c[wall / 2] = wall % 2 ? (pbf_real)-1 : (pbf_real)1;
     if (face.distance < c->h) pbf_put_face(&face, faces);
   }
 }
 
-/* Visits the planes of fields, and drops flat faces behind them. */
+/* Visits the planes of fields, and drops faces behind them. */
 template <class Visit>
 PBF_FN_NOINLINE void pbf_visit_field_planes(pbf_real h, const pbf_field_planes *planes,
                                             pbf_near_faces *faces, Visit visit) {
@@ -106,16 +104,17 @@ PBF_FN_NOINLINE void pbf_visit_field_planes(pbf_real h, const pbf_field_planes *
       faces->of[faces->count++] = before.of[k];
 }
 
-/* Whether a face looks the same way as a wall of the domain that is within reach, too. Such faces
+/* The wall of the domain within reach that a flat face looks the same way as; -1: none. Such faces
  * are visited first: a plane that faces both, visited in between, would hide that they are one. */
-PBF_FN_HOST_NOINLINE int pbf_lies_along_wall(const pbf_domain *domain, pbf_vec x, pbf_real reach,
-                                             const pbf_near_face *face) {
+PBF_FN_HOST_NOINLINE int pbf_wall_along(const pbf_domain *domain, pbf_vec x, pbf_real reach,
+                                        const pbf_near_face *face) {
+  if (face->is_curved) return -1;
   for (int k = 0; k < PBF_DIM; ++k) {
-    const int upper = face->normal.c[k] < 0;
+    const int upper = face->normal.c[k] < 0, wall = 2 * k + upper;
     if ((upper ? -face->normal.c[k] : face->normal.c[k]) > (pbf_real)0.999)
-      return pbf_wall_distance(domain, 2 * k + upper, x) < reach;
+      return pbf_wall_distance(domain, wall, x) < reach ? wall : -1;
   }
-  return 0;
+  return -1;
 }
 
 /* Calls visit(face, part) for the planes within reach of x by which surfaces contribute, and the
@@ -129,16 +128,17 @@ PBF_FN void pbf_each_near_plane(const pbf_constants *c, const pbf_domain *domain
   pbf_field_planes planes;
   faces.count = edges.count = planes.fields = planes.count = 0;
   each([&](const auto &s, int solid) {
-    pbf_meet_surface(c, &s, solid, x, reach, &faces, &edges, &planes, each, visit);
+    pbf_meet_surface(c, &s, solid, x, reach, &faces, &edges, &planes, each);
   });
   if (planes.count > 0) pbf_visit_field_planes(c->h, &planes, &faces, visit);
   uint32_t first = 0;
   for (int k = 0; k < faces.count && faces.count > 1; ++k)
-    if (pbf_lies_along_wall(domain, x, reach, &faces.of[k])) first |= UINT32_C(1) << k;
+    if (pbf_wall_along(domain, x, reach, &faces.of[k]) >= 0) first |= UINT32_C(1) << k;
+  pbf_find_parts(c, &faces);
   for (int k = 0; k < faces.count && first; ++k)
-    if (first >> k & 1) visit(faces.of[k], 1);
+    if (first >> k & 1) visit(faces.of[k], faces.of[k].part);
   for (int k = 0; k < faces.count; ++k)
-    if (!(first >> k & 1)) visit(faces.of[k], 1);
+    if (!(first >> k & 1)) visit(faces.of[k], faces.of[k].part);
   if (edges.count == 0) return;
   pbf_put_domain(c, domain, x, &faces);
   if (PBF_KEEPS_EDGES && edges.count <= PBF_NEAR_EDGES && planes.fields == 0) {

@@ -1,13 +1,14 @@
 /* A solid of many flush boxes, hulls or meshes is the solid of one box: the same density next to
  * it, the same loads, the same friction with what sticks to it; and water rests in a pool of them.
- */
+ * So is one of many round ones that reach into each other; and boxes flush with the domain's walls
+ * are these walls. */
 #include "load_scene.h"
 #include "meshes.h"
 
 enum { MOST = 64 };
 
 /* What tiles are of, one after the other. */
-enum { BOXES = 0, HULLS, MESHES, HULLS_AND_BOXES };
+enum { BOXES = 0, HULLS, MESHES, HULLS_AND_BOXES, ROUND };
 
 /* The wall below x = 0 of a tank 8 spacings wide, `thick` and 12 high, at least as long as both. */
 typedef struct wall {
@@ -80,7 +81,25 @@ static void release_fields(uint32_t count, const pbf_collider *of) {
     if (of[k].shape == PBF_COLLIDER_SHAPE) pbf_release_shape(of[k].geometry);
 }
 
+/* Logs upon each other, that reach into each other for the most part; in 2D discs. */
+static uint32_t bank_of(const wall *w, pbf_collider *to) {
+  const double radius = w->thick, low = -4 * load_spacing;
+  const uint32_t count = tiles_along(w->high + 4 * load_spacing, w->tile);
+  assert_true(count <= MOST);
+  for (uint32_t k = 0; k < count; ++k) {
+    const double place[3] = {-radius, low + k * w->tile, 4 * load_spacing};
+    to[k] = load_collider(w->dimension == 3 ? PBF_COLLIDER_CAPSULE : PBF_COLLIDER_SPHERE, 0, 0, 0);
+    turn(w->turned, place, to[k].position);
+    if (w->dimension == 2) to[k].position[2] = 0;
+    to[k].radius = radius;
+    to[k].half_length = 8 * load_spacing;
+    for (int a = 0; a < 3; ++a) to[k].axis[a] = a == 2;
+  }
+  return count;
+}
+
 static uint32_t wall_of(const wall *w, pbf_collider *to) {
+  if (w->of == ROUND) return bank_of(w, to);
   const double low = -2 * load_spacing - w->shift, from[3] = {-w->thick, low, low};
   const double size[3] = {w->thick, w->high + 4 * load_spacing, 12 * load_spacing};
   uint32_t n[3], count = 0;
@@ -182,9 +201,9 @@ static void check(const wall *tiles, uint32_t precision, double support, double 
   const double exact = precision == PBF_FLOAT64 ? 1e-9 : 2e-5;
   /* Straight before where seams cross a little is left. */
   const double of_fields = tiles->dimension == 3 ? 0.01 : 0.004;
-  const double bar = tiles->of ? of_fields : exact;
-  /* A field of two cells has an exact plane before its middle alone. */
-  const double of_field = tiles->tile > 3 * tiles->cell ? 0.02 : 0.05;
+  const double bar = tiles->of == ROUND ? 0.008 : tiles->of ? of_fields : exact;
+  /* A field of two cells has an exact plane before its middle alone, and logs have many. */
+  const double of_field = tiles->of != ROUND && tiles->tile > 3 * tiles->cell ? 0.02 : 0.05;
   const double of_load = tiles->of ? of_field : 50 * exact;
   for (int step = 0; step < 4; ++step) {
     const double apart = parted(&one, &many);
@@ -246,6 +265,58 @@ static void check_turned(uint32_t dimension, uint32_t precision) {
 static void aslant_and_where_they_overlap(void **state) {
   (void)state;
   with_kinds(check_turned);
+}
+
+/* Logs of 4 spacings, 0.4 apart: what is between two of them is 0.005 spacings deep. */
+static void check_round(uint32_t dimension, uint32_t precision) {
+  const double d = load_spacing;
+  const wall upright = {dimension, 0.4 * d, 4 * d, 12 * d, 0, 0, ROUND, 0, 0};
+  const wall turned = {dimension, 0.4 * d, 4 * d, 12 * d, 0.4, 0, ROUND, 0, 0};
+  check(&upright, precision, 2, 0);
+  check(&turned, precision, 3, 0);
+}
+
+static void round_ones_in_each_other_are_one_solid(void **state) {
+  (void)state;
+  with_kinds(check_round);
+}
+
+/* Water in a corner of the domain, with boxes flush with its walls, or without. */
+static load_scene water_in_domain(uint32_t dimension, uint32_t precision, double support,
+                                  uint32_t boxes) {
+  const double side = 6 * load_spacing, size[3] = {side, side, side}, tank[3] = {side, 1, side};
+  pbf_collider beyond[3];
+  pbf_params params = load_params(dimension, tank);
+  params.smoothing_radius = support * load_spacing;
+  for (uint32_t k = 0; k < boxes; ++k) {
+    beyond[k] = load_collider(PBF_COLLIDER_BOX, 0, 0, 0);
+    for (int a = 0; a < 3; ++a) beyond[k].half_extents[a] = a == (int)k ? 0.25 : 2;
+    beyond[k].position[k] = -0.25;
+  }
+  return load_scene_of(dimension, precision, &params, size, load_everywhere, boxes, beyond);
+}
+
+static void check_flush_with_domain(uint32_t dimension, uint32_t precision) {
+  for (double support = 2; support < 3.5; support += 1) {
+    load_scene walls = water_in_domain(dimension, precision, support, 0);
+    load_scene boxes = water_in_domain(dimension, precision, support, dimension);
+    for (int step = 0; step < 4; ++step) {
+      assert_ok(pbf_get_positions(walls.solver, 0, walls.count, walls.values));
+      assert_ok(pbf_set_positions(boxes.solver, 0, walls.count, walls.values));
+      const double apart = parted(&walls, &boxes);
+      if (!(apart < 2e-5))
+        fail_msg("%uD, float%u, h = %g d, step %d: densities differ by %g", dimension,
+                 8 * precision, support, step, apart);
+      assert_ok(pbf_step(walls.solver, 1));
+    }
+    load_end(&walls);
+    load_end(&boxes);
+  }
+}
+
+static void flush_with_the_domain_they_are_its_walls(void **state) {
+  (void)state;
+  with_kinds(check_flush_with_domain);
 }
 
 static void check_sticky(uint32_t dimension, uint32_t precision) {
@@ -321,6 +392,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(flush_boxes_are_one_solid),
       cmocka_unit_test(aslant_and_where_they_overlap),
+      cmocka_unit_test(round_ones_in_each_other_are_one_solid),
+      cmocka_unit_test(flush_with_the_domain_they_are_its_walls),
       cmocka_unit_test(fluid_sticks_to_them_as_to_one),
       cmocka_unit_test(flush_fields_are_one_solid),
       cmocka_unit_test(water_rests_before_their_seams),
