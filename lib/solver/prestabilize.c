@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "backend_call.h"
+#include "cancelled.h"
 #include "ids.h"
 #include "memory.h"
 #include "overlap.h"
@@ -11,7 +12,6 @@
 #include "physics/prestabilization.h"
 #include "physics/spacing.h"
 #include "solver_time.h"
-#include "step.h"
 #include "text.h"
 
 /* Positions alone are projected onto the density constraint, as Macklin et al. do before a step

@@ -1,9 +1,9 @@
 #include "step.h"
 
 #include <math.h>
-#include <stddef.h>
 
 #include "backend_call.h"
+#include "cancelled.h"
 #include "diffuse/diffuse.h"
 #include "emission/emission.h"
 #include "error.h"
@@ -189,36 +189,10 @@ static pbf_status advance_part(pbf_solver *solver, uint32_t steps, uint32_t *adv
   return solver->diffuse->work->advance(solver);
 }
 
-static uint32_t is_asked_to_end(const pbf_solver *solver) {
-  return atomic_load_explicit(&solver->cancelled, memory_order_relaxed);
-}
-
-/* On ranks once all know it. */
-static int is_cancelled(const pbf_solver *solver) {
-  return (int)(solver->ranks.count ? solver->told : is_asked_to_end(solver));
-}
-
-/* One rank's cancellation ends the call on all after the same step: each would else wait for one
- * that has gone on to another call. Not before a first step, by which they know that all are in
- * this call. */
-static pbf_status tell_all_ranks(pbf_solver *solver) {
-  const pbf_backend_api *api = &solver->api;
-  solver->untold = 0;
-  const pbf_backend_ranks_tell *tell = api->get_extension(PBF_BACKEND_RANKS_TELL);
-  if (!tell || tell->struct_size < offsetof(pbf_backend_ranks_tell, note)) return PBF_OK;
-  return pbf_backend_result(
-      solver, tell->any(solver->backend, is_asked_to_end(solver), &solver->told), "any");
-}
-
+/* Not before a first step, by which ranks know that all are in this call. */
 static pbf_status tell_ranks(pbf_solver *solver) {
   if (!solver->ranks.count || solver->untold < steps_at_once(solver, UINT32_MAX)) return PBF_OK;
-  return tell_all_ranks(solver);
-}
-
-pbf_status pbf_steps_cancelled(pbf_solver *solver, int *cancelled) {
-  const pbf_status status = solver->ranks.count ? tell_all_ranks(solver) : PBF_OK;
-  *cancelled = is_cancelled(solver);
-  return status;
+  return pbf_tell_cancelled(solver);
 }
 
 /* What steps cost beside their particles, and how busy the processors are, the clock tells; of a
@@ -237,7 +211,8 @@ static pbf_status advance(pbf_solver *solver, uint32_t steps) {
   pbf_status status = PBF_OK;
   uint32_t piece = next_piece(solver, FIRST_PIECE / 2, 0);
   double begin = pbf_seconds();
-  for (uint32_t done = 0; status == PBF_OK && steps > 0 && !is_cancelled(solver); steps -= done) {
+  for (uint32_t done = 0; status == PBF_OK && steps > 0 && !pbf_is_cancelled(solver);
+       steps -= done) {
     status = advance_part(solver, steps < piece ? steps : piece, &done);
     solver->untold += done;
     if (status == PBF_OK && done < steps) status = tell_ranks(solver);
@@ -266,7 +241,7 @@ static pbf_status advance_far(pbf_solver *solver, uint32_t *steps) {
   pbf_status status = PBF_OK;
   for (;;) {
     const uint32_t look = pbf_steps_to_look_at(solver, *steps);
-    if (status != PBF_OK || look == *steps || is_cancelled(solver)) return status;
+    if (status != PBF_OK || look == *steps || pbf_is_cancelled(solver)) return status;
     const uint64_t before = solver->step;
     if (pbf_steps_possible(solver, look) < look) return status;
     pbf_previous_forget(solver);
@@ -286,7 +261,7 @@ static pbf_status run_to_end(pbf_solver *solver, uint32_t left, uint32_t of) {
   if (status != PBF_OK) return status;
   left -= (uint32_t)(solver->step - before);
   if (left == 0) return PBF_OK;
-  if (is_cancelled(solver))
+  if (pbf_is_cancelled(solver))
     return pbf_fail(PBF_ERROR_CANCELLED, "pbf_cancel has ended the call after %u of %u steps",
                     of - left, of);
   return pbf_fail_to_move(solver, of - left + 1, of);

@@ -8,9 +8,6 @@
  * statistics: after any change of it that was no step of the backend. */
 pbf_status pbf_time_to_backend(pbf_solver *solver, double time);
 
-/* Whether the call is to end before its next step; on ranks, which all ask here, that of one. */
-pbf_status pbf_steps_cancelled(pbf_solver *solver, int *cancelled);
-
 /* What pbf_step does inside a call. */
 pbf_status pbf_run_steps(pbf_solver *solver, uint32_t steps);
 
