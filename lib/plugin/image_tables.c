@@ -25,17 +25,6 @@ enum { RELR = 36, RELR_SIZE = 35, SECTION_RELR = 19 }; /* younger than some <elf
 
 /* ---- Entries --------------------------------------------------------------------------------- */
 
-static const dynamic *find_entry(const tables *t, ElfW(Sxword) tag) {
-  const dynamic *e = t->entries;
-  while (e->d_tag != DT_NULL && e->d_tag != tag) ++e;
-  return e->d_tag == tag && tag != DT_NULL ? e : NULL;
-}
-
-uint64_t pbf_image_value_of(const tables *t, ElfW(Sxword) tag) {
-  const dynamic *e = find_entry(t, tag);
-  return e ? e->d_un.d_val : 0;
-}
-
 static pbf_status read_entries(tables *t) {
   image *it = t->it;
   const ElfW(Phdr) *s = it->segments, *end = s + it->header.e_phnum;
@@ -47,7 +36,7 @@ static pbf_status read_entries(tables *t) {
       !pbf_image_read(it, t->entries, count * sizeof(dynamic), offset))
     return pbf_image_refuse(it, "its dynamic section is not in a segment that is loaded");
   t->entries[count].d_tag = DT_NULL;
-  if (!find_entry(t, DT_STRTAB) || count == 0 || t->entries[count - 1].d_tag != DT_NULL)
+  if (!pbf_image_entry_of(t, DT_STRTAB) || count == 0 || t->entries[count - 1].d_tag != DT_NULL)
     return pbf_image_refuse(it, "its dynamic section has no end, or nothing in it");
   size_t k = 0;
   while (t->entries[k].d_tag != DT_NULL) ++k;
@@ -83,19 +72,11 @@ static const table known[] = {
 enum { KNOWN = sizeof known / sizeof known[0] };
 
 static int is_unique(const tables *t, ElfW(Sxword) tag) {
-  const dynamic *first = find_entry(t, tag), *other = first;
+  const dynamic *first = pbf_image_entry_of(t, tag), *other = first;
   if (!first) return 1;
   do ++other;
   while (other->d_tag != DT_NULL && other->d_tag != tag);
   return other->d_tag == DT_NULL;
-}
-
-const section *pbf_image_section_at(const image *it, uint64_t at, uint32_t type) {
-  for (uint32_t k = 0; k < it->section_count; ++k) {
-    const section *s = &it->sections[k];
-    if (s->sh_flags & SHF_ALLOC && s->sh_addr == at && (!type || s->sh_type == type)) return s;
-  }
-  return NULL;
 }
 
 static int has_section(const image *it, uint32_t type) {
@@ -106,7 +87,7 @@ static int has_section(const image *it, uint32_t type) {
 
 /* Whether an entry and the section table agree on where a table is. */
 static int agrees(const tables *t, const table *kind) {
-  const dynamic *at = find_entry(t, kind->at), *bytes = find_entry(t, kind->bytes);
+  const dynamic *at = pbf_image_entry_of(t, kind->at), *bytes = pbf_image_entry_of(t, kind->bytes);
   if (t->it->section_count == 0 || !kind->section) return 1;
   if (!at) return kind->section == SHT_STRTAB || !has_section(t->it, kind->section);
   const section *s = pbf_image_section_at(t->it, at->d_un.d_ptr, kind->section);
@@ -117,7 +98,8 @@ static pbf_status check_known(tables *t) {
   uint64_t unused;
   for (int k = 0; k < KNOWN; ++k) {
     const table *kind = &known[k];
-    const dynamic *at = find_entry(t, kind->at), *bytes = find_entry(t, kind->bytes);
+    const dynamic *at = pbf_image_entry_of(t, kind->at),
+                  *bytes = pbf_image_entry_of(t, kind->bytes);
     if ((!at && kind->needed) || (kind->bytes && !at != !bytes))
       return pbf_image_refuse(t->it, "its dynamic section lacks a table");
     if (at && !pbf_image_find(t->it, at->d_un.d_ptr, bytes ? bytes->d_un.d_val : 1, &unused))
@@ -137,10 +119,10 @@ static pbf_status check_entry_sizes(tables *t) {
                {DT_RELA, DT_RELAENT, sizeof(ElfW(Rela))},
                {DT_REL, DT_RELENT, sizeof(ElfW(Rel))}};
   for (int k = 0; k < 3; ++k)
-    if (find_entry(t, sizes[k].of) && pbf_image_value_of(t, sizes[k].tag) != sizes[k].size)
+    if (pbf_image_entry_of(t, sizes[k].of) && pbf_image_value_of(t, sizes[k].tag) != sizes[k].size)
       return pbf_image_refuse(t->it, "a table of its dynamic section has entries of another size");
   const uint64_t kind = pbf_image_value_of(t, DT_PLTREL);
-  if (find_entry(t, DT_JMPREL) && kind != DT_RELA && kind != DT_REL)
+  if (pbf_image_entry_of(t, DT_JMPREL) && kind != DT_RELA && kind != DT_REL)
     return pbf_image_refuse(t->it, "its dynamic section says nothing of the kind of a table");
   return PBF_OK;
 }
@@ -149,7 +131,7 @@ static pbf_status check_entry_sizes(tables *t) {
 static pbf_status check_places(tables *t) {
   const ElfW(Sxword) tags[] = {DT_INIT, DT_FINI, DT_PLTGOT};
   for (int k = 0; k < 3; ++k) {
-    const dynamic *e = find_entry(t, tags[k]);
+    const dynamic *e = pbf_image_entry_of(t, tags[k]);
     if (!e || t->it->section_count == 0) continue;
     const section *s = pbf_image_section_at(t->it, e->d_un.d_ptr, SHT_PROGBITS);
     const int is_code = s && s->sh_flags & SHF_EXECINSTR && s->sh_entsize == 0;
@@ -177,7 +159,7 @@ static pbf_status read_table(tables *t, uint64_t at, uint64_t bytes, void *into)
 }
 
 static uint64_t size_of(const tables *t, ElfW(Sxword) tag, uint32_t type) {
-  const dynamic *e = find_entry(t, tag);
+  const dynamic *e = pbf_image_entry_of(t, tag);
   const section *s = e ? pbf_image_section_at(t->it, e->d_un.d_ptr, type) : NULL;
   return s ? s->sh_size : 0;
 }
@@ -213,7 +195,7 @@ static int is_relocation_sound(const tables *t, const ElfW(Rela) * r, int is_rel
     if (s->p_type != PT_LOAD || !(s->p_flags & PF_W) || r->r_offset < s->p_vaddr) continue;
     if (pbf_image_fits(r->r_offset - s->p_vaddr, sizeof(address), s->p_memsz)) return 1;
   }
-  return find_entry(t, DT_TEXTREL) != NULL;
+  return pbf_image_entry_of(t, DT_TEXTREL) != NULL;
 }
 
 static pbf_status check_relocations(tables *t, ElfW(Sxword) at, ElfW(Sxword) bytes) {

@@ -19,6 +19,9 @@ typedef struct pbf_image_tables {
   uint32_t symbol_count;
 } pbf_image_tables;
 
+/* The first entry of the dynamic section with this tag, or null. */
+const ElfW(Dyn) * pbf_image_entry_of(const pbf_image_tables *tables, ElfW(Sxword) tag);
+
 /* The value of an entry of the dynamic section, or 0. */
 uint64_t pbf_image_value_of(const pbf_image_tables *tables, ElfW(Sxword) tag);
 
