@@ -139,7 +139,7 @@ PBF_API pbf_status pbf_end_step(pbf_solver *solver);
  * for it. The step that runs is completed, and so are those after it that take some 20 ms together
  * on a CPU; all of them stand (pbf_info.step tells how many), and the solver goes on with the same
  * bits as from as many steps. What pbf_params.prestabilization moves before a step it moves in
- * passes, and a step whose passes are cancelled does not begin: particles are where they were
+ * passes, and a step whose passes are cancelled does not begin: positions are unchanged
  * placed. Where no pbf_step is inside, it does nothing. */
 PBF_API pbf_status pbf_cancel(pbf_solver *solver);
 
