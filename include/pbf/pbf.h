@@ -138,9 +138,7 @@ PBF_API pbf_status pbf_end_step(pbf_solver *solver);
  * it has done its last step by then. From any thread, at any time up to pbf_destroy; does not wait
  * for it. The step that runs is completed, and so are those after it that take some 20 ms together
  * on a CPU; all of them stand (pbf_info.step tells how many), and the solver goes on with the same
- * bits as from as many steps. What pbf_params.prestabilization moves before a step it moves in
- * passes, and a step whose passes are cancelled does not begin: positions are unchanged
- * placed. Where no pbf_step is inside, it does nothing. */
+ * bits as from as many steps. Where no pbf_step is inside, it does nothing. */
 PBF_API pbf_status pbf_cancel(pbf_solver *solver);
 
 /* Waits for the device; reports an error that a step met after pbf_step had returned. */

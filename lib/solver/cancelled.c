@@ -20,9 +20,3 @@ pbf_status pbf_tell_cancelled(pbf_solver *solver) {
   return pbf_backend_result(
       solver, tell->any(solver->backend, is_asked_to_end(solver), &solver->told), "any");
 }
-
-pbf_status pbf_steps_cancelled(pbf_solver *solver, int *cancelled) {
-  const pbf_status status = solver->ranks.count ? pbf_tell_cancelled(solver) : PBF_OK;
-  *cancelled = pbf_is_cancelled(solver);
-  return status;
-}

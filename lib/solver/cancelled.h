@@ -11,7 +11,4 @@ int pbf_is_cancelled(const pbf_solver *solver);
  * else wait for one that has gone on to another call. */
 pbf_status pbf_tell_cancelled(pbf_solver *solver);
 
-/* Whether the call is to end before its next step; on ranks, which all ask here, that of one. */
-pbf_status pbf_steps_cancelled(pbf_solver *solver, int *cancelled);
-
 #endif

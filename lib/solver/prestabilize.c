@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "backend_call.h"
-#include "cancelled.h"
 #include "ids.h"
 #include "memory.h"
 #include "overlap.h"
@@ -132,8 +131,6 @@ static pbf_status project(pbf_solver *solver, int jumped, pbf_before_projection 
     if (status != PBF_OK || (error <= max_error && pass >= at_least)) return status;
     stalled = improve(&least, &stats) ? 0 : stalled + 1;
     if (stats.neighbors_mean > max_neighbors_mean || stalled == MAX_STALLED) break;
-    status = pbf_steps_cancelled(solver, &before->cancelled);
-    if (status != PBF_OK || before->cancelled) return status;
     status = keep_positions(solver, before);
     if (status != PBF_OK) return status;
     status = solver->api.project(solver->backend, pbf_solver_time(solver), ITERATIONS);

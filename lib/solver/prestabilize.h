@@ -28,14 +28,13 @@ void pbf_note_params(pbf_solver *solver, const pbf_params *params);
 typedef struct pbf_before_projection {
   void *positions;
   pbf_placement placement;
-  int cancelled; /* the call is to end: no step is to follow */
 } pbf_before_projection;
 
 /* Before steps. Acts only on a placement, and where params.prestabilization asks for it. One of the
  * two below follows, whatever it returns. */
 pbf_status pbf_prestabilize(pbf_solver *solver, pbf_before_projection *before);
 
-/* The step has not been done: all is as it was. */
+/* The step has not been done: as all was before. */
 void pbf_prestabilize_undo(pbf_solver *solver, pbf_before_projection *before);
 
 /* It has. */

@@ -109,7 +109,7 @@ static pbf_status run_placed(pbf_solver *solver, uint32_t steps, uint32_t *done)
   pbf_status status = pbf_phases_tell_used(solver);
   if (status != PBF_OK) return status;
   status = pbf_prestabilize(solver, &before);
-  if (status == PBF_OK && !before.cancelled) status = run(solver, steps, done);
+  if (status == PBF_OK) status = run(solver, steps, done);
   if (*done > 0 || pbf_solver_time(solver) != begin) {
     pbf_prestabilize_accept(solver, &before);
   } else {

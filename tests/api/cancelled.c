@@ -198,55 +198,11 @@ static void slow_steps_are_few_at_once(void **state) {
   pbf_destroy(s);
 }
 
-/* What is placed too densely is moved apart before a first step, in up to hundreds of passes: no
- * step has begun, and the next call finds the fluid as it was. */
-static pbf_solver *being_placed; /* which an allocation of a position for each particle cancels */
-
-static void *allocate_and_cancel(void *user, uint64_t size, uint64_t alignment) {
-  if (being_placed && size == COUNT * 3 * sizeof(float)) assert_ok(pbf_cancel(being_placed));
-  return test_allocator.allocate(user, size, alignment);
-}
-
-static pbf_solver *make_crowded(void) {
-  pbf_desc desc = test_desc(3, PBF_FLOAT32, CAPACITY);
-  pbf_allocator allocator = test_allocator;
-  float x[3 * COUNT];
-  allocator.allocate = allocate_and_cancel;
-  desc.allocator = &allocator;
-  pbf_solver *s = test_create(&desc, NULL);
-  for (int i = 0; i < COUNT; ++i) {
-    const int at[3] = {i % 4, i / 4 % 4, i / 16};
-    for (int k = 0; k < 3; ++k) x[3 * i + k] = 0.5f + 0.02f * (float)at[k];
-  }
-  assert_ok(pbf_add_particles(s, COUNT, x, NULL, NULL));
-  return s;
-}
-
-static void what_is_placed_is_not_waited_for(void **state) {
-  (void)state;
-  if (test_is_stub()) test_skip("the stub moves nothing apart");
-  pbf_solver *s = make_crowded(), *other = make_crowded();
-  const uint64_t placed = test_hash(s);
-  being_placed = s;
-  assert_fails(pbf_step(s, 1), PBF_ERROR_CANCELLED, "after 0 of 1 steps");
-  being_placed = NULL;
-  assert_true(test_hash(s) == placed);
-  assert_ok(pbf_step(s, 3));
-  assert_ok(pbf_step(other, 3));
-  assert_true(test_hash(s) == test_hash(other));
-  pbf_destroy(s);
-  pbf_destroy(other);
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(steps_done_stand),
-      cmocka_unit_test(parts_of_steps_are_completed),
-      cmocka_unit_test(readers_see_what_was_done),
-      cmocka_unit_test(which_call_is_meant),
-      cmocka_unit_test(long_calls_begin_at_once),
-      cmocka_unit_test(slow_steps_are_few_at_once),
-      cmocka_unit_test(what_is_placed_is_not_waited_for),
+      cmocka_unit_test(steps_done_stand),          cmocka_unit_test(parts_of_steps_are_completed),
+      cmocka_unit_test(readers_see_what_was_done), cmocka_unit_test(which_call_is_meant),
+      cmocka_unit_test(long_calls_begin_at_once),  cmocka_unit_test(slow_steps_are_few_at_once),
   };
   return TEST_RUN(tests);
 }

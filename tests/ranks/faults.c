@@ -519,51 +519,6 @@ static void a_cancellation_is_that_of_all(void **state) {
   for (int k = 2; k < 6; ++k) assert_true(steps[k] == steps[k % 2] && steps[k] > 1);
 }
 
-/* What is placed too densely is moved apart before a first step: also of that one rank's
- * cancellation is all ranks', from an allocation of a position for each particle on. */
-static void *allocate_and_cancel(void *user, uint64_t size, uint64_t alignment) {
-  pbf_solver **being_placed = user;
-  if (*being_placed && size == COUNT * 3 * sizeof(float)) EXPECT_OK(pbf_cancel(*being_placed));
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-}
-
-static void release(void *user, void *memory, uint64_t size, uint64_t alignment) {
-  (void)user;
-  (void)size;
-  (void)alignment;
-  free(memory);
-}
-
-static void cancel_placing(const pbf_ranks *ranks, void *context) {
-  pbf_params params = params_of();
-  pbf_solver *s = NULL, *being_placed = NULL;
-  const pbf_allocator allocator = {.struct_size = sizeof allocator,
-                                   .user = &being_placed,
-                                   .allocate = allocate_and_cancel,
-                                   .release = release};
-  pbf_desc desc = desc_of();
-  uint64_t placed = 0, now = 1;
-  (void)context;
-  desc.allocator = &allocator;
-  params.prestabilization = 0.02;
-  params.spacing = 0.06; /* of which there is not so much room */
-  if (!EXPECT_OK(pbf_create_on_ranks(&desc, &params, ranks, &s))) return;
-  fill(s, 0);
-  EXPECT_OK(pbf_hash(s, &placed));
-  if (ranks->rank == 1) being_placed = s;
-  EXPECT_FAILS(pbf_step(s, 1), PBF_ERROR_CANCELLED, "after 0 of 1 steps");
-  being_placed = NULL;
-  EXPECT_OK(pbf_hash(s, &now));
-  EXPECT(now == placed);
-  EXPECT_OK(pbf_step(s, 1));
-  pbf_destroy(s);
-}
-
-static void placing_is_cancelled_on_all(void **state) {
-  (void)state;
-  run(3, 0, cancel_placing, NULL);
-}
-
 static void destroy_while_begun(const pbf_ranks *ranks, void *context) {
   const pbf_params params = params_of();
   const struct timespec a_while = {0, 50000000L * (1 + ranks->rank)};
@@ -676,7 +631,6 @@ int main(void) {
       cmocka_unit_test(a_rank_that_dies_ends_the_call_on_all),
       cmocka_unit_test(clocks_of_ranks_differ),
       cmocka_unit_test(a_cancellation_is_that_of_all),
-      cmocka_unit_test(placing_is_cancelled_on_all),
       cmocka_unit_test(begun_steps_are_destroyed_on_all),
       cmocka_unit_test(a_rank_that_dies_ends_begun_steps_on_all),
       cmocka_unit_test(a_state_goes_on_with_other_numbers_of_ranks),
